@@ -23,7 +23,8 @@ struct Hostile {
 };
 
 inline const SaidBy said_few_returns = {{"ekf", SlamReason::few_returns}, {"hector", SlamReason::few_returns}};
-inline const SaidBy said_dark = {{"orb", SlamReason::dark_or_blank},
+inline const SaidBy said_dark = {{"fusion", SlamReason::dark_or_blank},
+                                 {"orb", SlamReason::dark_or_blank},
                                  {"rgbd", SlamReason::dark_or_blank},
                                  {"rtabmap", SlamReason::dark_or_blank},
                                  {"lsd", SlamReason::dark_or_blank}};
@@ -106,7 +107,8 @@ inline const Hostile spoilt_depths[] = {
        bare.stamp = frame.stamp;
        frame = bare;
      },
-     {{"orb", SlamReason::no_data},
+     {{"fusion", SlamReason::no_data},
+      {"orb", SlamReason::no_data},
       {"rgbd", SlamReason::dark_or_blank},
       {"rtabmap", SlamReason::dark_or_blank},
       {"lsd", SlamReason::no_data}}},
@@ -120,16 +122,18 @@ inline const Hostile spoilt_depths[] = {
      said_dark},
     {"everything masked",
      [](Frame& frame) { frame.mask = gray(frame, 0); },
-     {{"orb", SlamReason::few_inliers}, {"lsd", SlamReason::too_few_points}}},
+     {{"fusion", SlamReason::few_inliers}, {"orb", SlamReason::few_inliers}, {"lsd", SlamReason::too_few_points}}},
     {"the stamp before",
      [](Frame& frame) { frame.stamp -= ns_per_second / 15; },
-     {{"orb", SlamReason::repeated_frame},
+     {{"fusion", SlamReason::repeated_frame},
+      {"orb", SlamReason::repeated_frame},
       {"rgbd", SlamReason::repeated_frame},
       {"rtabmap", SlamReason::repeated_frame},
       {"lsd", SlamReason::repeated_frame}}},
     {"no stamp",
      [](Frame& frame) { frame.stamp = 0; },
-     {{"orb", SlamReason::repeated_frame},
+     {{"fusion", SlamReason::repeated_frame},
+      {"orb", SlamReason::repeated_frame},
       {"rgbd", SlamReason::repeated_frame},
       {"rtabmap", SlamReason::repeated_frame},
       {"lsd", SlamReason::repeated_frame}}},
@@ -140,7 +144,10 @@ inline const Hostile spoilt_depths[] = {
     {"depth behind the camera", [](Frame& frame) { fill_depth(frame, -1.0F); }, {}},
     {"flat depth",
      [](Frame& frame) { fill_depth(frame, 1.0F); },
-     {{"orb", SlamReason::few_inliers}, {"rgbd", SlamReason::few_inliers}, {"rtabmap", SlamReason::few_inliers}}},
+     {{"fusion", SlamReason::few_inliers},
+      {"orb", SlamReason::few_inliers},
+      {"rgbd", SlamReason::few_inliers},
+      {"rtabmap", SlamReason::few_inliers}}},
 };
 
 inline std::span<const Hostile> spoilt_for(const TestRecording& recording) {

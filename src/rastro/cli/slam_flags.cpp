@@ -144,7 +144,7 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--method", flags.method, "SLAM method, see below (default: auto; with --map: that of the map)")
       ->type_name("NAME")
       ->group(group);
-  command.add_option("--map", flags.map, "With --continue: map file or run folder of orb or rtabmap")
+  command.add_option("--map", flags.map, "With --continue: map file or run folder of orb, fusion or rtabmap")
       ->type_name("MAP")
       ->group(group);
   command.add_flag("--continue", flags.extend, "Continue the map of --map; the extended map is written to --out")

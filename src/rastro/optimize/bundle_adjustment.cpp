@@ -20,6 +20,10 @@ void check(const Bundle& bundle) {
   for (const BundleObservation& seen : bundle.observations)
     RASTRO_CHECK(seen.camera < bundle.fixed.size() && seen.point < bundle.points.size() && seen.sigma > 0.0,
                  "an observation is of a camera and a point of the bundle and has a sigma");
+  for (const BundleRelativePose& measured : bundle.relative_poses)
+    RASTRO_CHECK(
+        measured.from < bundle.fixed.size() && measured.to < bundle.fixed.size() && measured.from != measured.to,
+        "a relative pose is of two cameras of the bundle");
 }
 
 double squared_error(const BundleObservation& seen, const SE3& camera_from_world, const Eigen::Vector3d& point,
@@ -103,6 +107,10 @@ class Adjustment {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const double squared = errors[i] < most_squared ? errors[i] : most_squared;
       cost += 0.5 * bundle_kernel(bundle_.observations[i], options_).cost(squared);
+    }
+    for (const BundleRelativePose& measured : bundle_.relative_poses) {
+      const Vector6d error = relative_pose_error(measured, cameras[measured.from], cameras[measured.to]);
+      cost += 0.5 * relative_pose_kernel(options_).cost(error.dot(measured.information * error));
     }
     return cost;
   }

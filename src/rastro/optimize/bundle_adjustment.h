@@ -22,13 +22,21 @@ struct BundleObservation {
   double sigma = 1.0 / 500.0;
 };
 
+/// Pose of one camera relative to another, measured by other means than the points.
+struct BundleRelativePose {
+  std::uint32_t from = 0, to = 0;  ///< Cameras of the bundle.
+  SE3 to_from_from;
+  Matrix6d information = Matrix6d::Identity();  ///< Of d in true pose = exp(d) * to_from_from.
+};
+
 /// Cameras, points and observations.
 struct Bundle {
   std::vector<SE3> camera_from_world;
   std::vector<std::uint8_t> fixed;  ///< One per camera; nonzero: it stays fixed.
   std::vector<Eigen::Vector3d> points;
   std::vector<BundleObservation> observations;  ///< In any order; the order of summation follows it.
-  double baseline = 0.0;                        ///< Between left and right camera, in the unit of the points.
+  std::vector<BundleRelativePose> relative_poses = {};
+  double baseline = 0.0;  ///< Between left and right camera, in the unit of the points.
 };
 
 struct BundleOptions {
@@ -37,6 +45,7 @@ struct BundleOptions {
   /// right_x is known. 0 for both: plain least squares.
   double huber_mono = 2.4477;
   double huber_stereo = 2.7955;
+  double huber_pose = 3.5485;     ///< Of a relative pose, with 6 degrees of freedom.
   double least_gain = 1e-5;       ///< Relative decrease of the cost below which an iteration is the last.
   std::function<bool()> stopped;  ///< Once true, no further iteration starts; the result so far stays. May be empty.
 };

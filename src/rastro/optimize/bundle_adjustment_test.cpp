@@ -176,5 +176,26 @@ TEST(BundleAdjustment, SameBytesForAnyPool) {
   }
 }
 
+/// A camera that sees no point is where its relative pose says; a wrong one of another camera moves it little.
+TEST(BundleAdjustment, RelativePosesHoldCamerasAndOutliersOfThemDoNot) {
+  testing::BundleScene scene = testing::bundle_scene({}, 3);
+  Bundle& bundle = scene.bundle;
+  constexpr std::uint32_t blind = 4, other = 5;
+  std::erase_if(bundle.observations, [](const BundleObservation& seen) { return seen.camera == blind; });
+  const auto between = [&](std::uint32_t from, std::uint32_t to) {
+    return scene.camera_from_world[to] * scene.camera_from_world[from].inverse();
+  };
+  const Matrix6d information = 1e6 * Matrix6d::Identity();
+  bundle.relative_poses = {{blind, 3, between(blind, 3), information},
+                           {other, 6, SE3(SO3(), {0.0, 0.5, 0.0}) * between(other, 6), information}};
+  BundleOptions options;
+  options.iterations = 30;
+  const BundleResult result = adjust_bundle(bundle, options);
+  EXPECT_LT(result.last_cost, result.first_cost);
+  const SE3 found = bundle.camera_from_world[3] * bundle.camera_from_world[blind].inverse();
+  EXPECT_LT((found * between(blind, 3).inverse()).log().norm(), 1e-6);
+  EXPECT_LT((bundle.camera_from_world[other] * scene.camera_from_world[other].inverse()).log().norm(), 0.05);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -123,7 +123,7 @@ BundleNormal::BundleNormal(const Bundle& bundle, const BundleOptions& options, T
     if (bundle.fixed[i] == 0) free_index_[i] = free_++;
   }
   sort(bundle);
-  find_rows();
+  find_rows(bundle);
 }
 
 BundleNormal::~BundleNormal() = default;
@@ -146,7 +146,7 @@ void BundleNormal::sort(const Bundle& bundle) {
   for (std::size_t k = 0; k < order_.size(); ++k) link_camera_[k] = free_index_[seen[order_[k]].camera];
 }
 
-void BundleNormal::find_rows() {
+void BundleNormal::find_rows(const Bundle& bundle) {
   row_begin_.assign(static_cast<std::size_t>(free_) + 1, 0);
   for (const int index : link_camera_) {
     if (index >= 0) ++row_begin_[static_cast<std::size_t>(index) + 1];
@@ -158,6 +158,11 @@ void BundleNormal::find_rows() {
     if (link_camera_[k] >= 0)
       row_link_[next[static_cast<std::size_t>(link_camera_[k])]++] = static_cast<std::uint32_t>(k);
   }
+  std::vector<std::vector<int>> linked(static_cast<std::size_t>(free_));
+  for (const BundleRelativePose& measured : bundle.relative_poses) {
+    const int from = free_index_[measured.from], to = free_index_[measured.to];
+    if (from >= 0 && to >= 0) linked[static_cast<std::size_t>(std::max(from, to))].push_back(std::min(from, to));
+  }
   std::vector<std::vector<int>> columns(static_cast<std::size_t>(free_));
   std::vector<int> last_row(static_cast<std::size_t>(free_), -1);
   for (int row = 0; row < free_; ++row) {
@@ -168,6 +173,7 @@ void BundleNormal::find_rows() {
       mine.push_back(index);
     };
     add(row);
+    for (const int other : linked[static_cast<std::size_t>(row)]) add(other);
     for (std::size_t r = row_begin_[static_cast<std::size_t>(row)]; r < row_begin_[static_cast<std::size_t>(row) + 1];
          ++r) {
       const std::uint32_t point = point_of_[row_link_[r]];
@@ -240,6 +246,28 @@ void BundleNormal::add_points(const Bundle& bundle, int begin, int end, double d
   }
 }
 
+/// The residual is small where it counts, so that its derivatives are those at zero.
+void BundleNormal::add_relative_poses(const Bundle& bundle) {
+  pose_links_.clear();
+  for (const BundleRelativePose& measured : bundle.relative_poses) {
+    PoseLink link;
+    link.from = free_index_[measured.from], link.to = free_index_[measured.to];
+    if (link.from < 0 && link.to < 0) continue;
+    const SE3 &from_from_world = bundle.camera_from_world[measured.from],
+              &to_from_world = bundle.camera_from_world[measured.to];
+    const Vector6d error = relative_pose_error(measured, from_from_world, to_from_world);
+    const double weight = relative_pose_kernel(options_).weight(error.dot(measured.information * error));
+    const Matrix6d information = weight * measured.information;
+    const Matrix6d by_from = -(to_from_world * from_from_world.inverse()).adjoint();
+    link.of_to = information;
+    link.right_to = -information * error;
+    link.between = information * by_from;
+    link.of_from = by_from.transpose() * link.between;
+    link.right_from = by_from.transpose() * link.right_to;
+    pose_links_.push_back(link);
+  }
+}
+
 void BundleNormal::reduce_row(int row, double damping) {
   const auto& columns = reduced_->columns(row);
   Matrix6d* blocks = reduced_->blocks(row);
@@ -253,6 +281,16 @@ void BundleNormal::reduce_row(int row, double damping) {
   for (const CameraSums& sums : sums_) {
     own += sums.blocks[static_cast<std::size_t>(row)];
     right += sums.right[static_cast<std::size_t>(row)];
+  }
+  for (const PoseLink& link : pose_links_) {
+    if (link.from == row) own += link.of_from, right += link.right_from;
+    if (link.to == row) own += link.of_to, right += link.right_to;
+    if (std::min(link.from, link.to) < 0 || std::max(link.from, link.to) != row) continue;
+    Matrix6d& block = blocks[slot[static_cast<std::size_t>(std::min(link.from, link.to))]];
+    if (link.to == row)
+      block += link.between;
+    else
+      block += link.between.transpose();
   }
   own.diagonal() *= 1.0 + damping;
   own.diagonal().array() += 1e-12 * own.trace() + 1e-30;
@@ -283,6 +321,7 @@ bool BundleNormal::solve(const Bundle& bundle, double damping, BundleStep& step)
   over(count, grain, [&](int begin, int end) {
     add_points(bundle, begin, end, damping, sums_[static_cast<std::size_t>(begin / grain)]);
   });
+  add_relative_poses(bundle);
   over(free_, 2, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) reduce_row(row, damping);
   });

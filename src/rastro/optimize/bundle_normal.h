@@ -31,6 +31,16 @@ inline HuberKernel bundle_kernel(const BundleObservation& seen, const BundleOpti
   return {width > 0.0 ? width : std::numeric_limits<double>::infinity()};
 }
 
+inline HuberKernel relative_pose_kernel(const BundleOptions& options) {
+  return {options.huber_pose > 0.0 ? options.huber_pose : std::numeric_limits<double>::infinity()};
+}
+
+/// d of true pose = exp(d) * to_from_from at the cameras: translation, rotation.
+inline Vector6d relative_pose_error(const BundleRelativePose& measured, const SE3& from_from_world,
+                                    const SE3& to_from_world) {
+  return (to_from_world * from_from_world.inverse() * measured.to_from_from.inverse()).log();
+}
+
 struct BundleStep {
   Eigen::VectorXd cameras;              ///< (translation, rotation) of each free camera, applied from the left.
   std::vector<Eigen::Vector3d> points;  ///< One per point.
@@ -66,12 +76,19 @@ class BundleNormal {
   class Reduced;
 
   void sort(const Bundle& bundle);
-  void find_rows();
+  void find_rows(const Bundle& bundle);
   void add_points(const Bundle& bundle, int begin, int end, double damping, CameraSums& sums);
   template <int Rows>
   void add_observation(const Bundle& bundle, std::size_t k, Eigen::Matrix3d& normal, Eigen::Vector3d& right,
                        CameraSums& sums);
   void reduce_row(int row, double damping);
+  void add_relative_poses(const Bundle& bundle);
+  /// Normal equations of a relative pose whose ends are not both fixed; `from`, `to`: among the free cameras, or < 0.
+  struct PoseLink {
+    int from = -1, to = -1;
+    Matrix6d of_from, of_to, between;  ///< `between`: of the row `to` and the column `from`.
+    Vector6d right_from, right_to;
+  };
 
   const BundleOptions& options_;
   TaskPool* pool_;
@@ -87,6 +104,7 @@ class BundleNormal {
   std::vector<CameraMatrix> cameras_;
   std::vector<Point> points_;
   std::vector<CameraSums> sums_;  ///< One per chunk of points.
+  std::vector<PoseLink> pose_links_;
   std::unique_ptr<Reduced> reduced_;
 };
 

@@ -65,6 +65,25 @@ Dense dense_normal(const Bundle& bundle, const BundleOptions& options) {
     dense.normal += weight * jacobian.transpose() * jacobian;
     dense.right -= weight * jacobian.transpose() * errors;
   }
+  for (const BundleRelativePose& measured : bundle.relative_poses) {
+    const Eigen::LLT<Matrix6d> root(measured.information);
+    const auto errors_at = [&](const Vector6d& by_from, const Vector6d& by_to) -> Vector6d {
+      const SE3 from = SE3::exp(by_from) * bundle.camera_from_world[measured.from],
+                to = SE3::exp(by_to) * bundle.camera_from_world[measured.to];
+      return root.matrixU() * (to * from.inverse() * measured.to_from_from.inverse()).log();
+    };
+    const Vector6d errors = errors_at(Vector6d::Zero(), Vector6d::Zero()), none = Vector6d::Zero();
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, unknowns);
+    for (int k = 0; k < 6; ++k) {
+      const Vector6d d = step * Vector6d::Unit(k);
+      const int from = free_index[measured.from], to = free_index[measured.to];
+      if (from >= 0) jacobian.col(6 * from + k) = (errors_at(d, none) - errors_at(-d, none)) / (2.0 * step);
+      if (to >= 0) jacobian.col(6 * to + k) = (errors_at(none, d) - errors_at(none, -d)) / (2.0 * step);
+    }
+    const double norm = errors.norm(), weight = norm > options.huber_pose ? options.huber_pose / norm : 1.0;
+    dense.normal += weight * jacobian.transpose() * jacobian;
+    dense.right -= weight * jacobian.transpose() * errors;
+  }
   return dense;
 }
 
@@ -110,6 +129,25 @@ TEST(BundleNormal, WithTwoCamerasAndWithDepthsToo) {
     options.stereo_share = share;
     expect_dense_step(bundle_scene(options, 5).bundle, {}, 1e-3);
   }
+}
+
+/// Between free and fixed cameras, in both orders; the last one is an outlier.
+TEST(BundleNormal, RelativePosesCountAsTheirInformationSays) {
+  Bundle bundle = bundle_scene(small_scene(), 3).bundle;
+  bundle.fixed = {1, 0, 0, 0, 0, 1};
+  Random random(5);
+  const std::pair<std::uint32_t, std::uint32_t> ends[] = {{0, 2}, {3, 1}, {1, 4}, {4, 5}, {0, 5}, {2, 3}};
+  for (const auto& [from, to] : ends) {
+    BundleRelativePose measured{from, to, {}, Matrix6d::Identity()};
+    // So small that its derivatives are those at zero.
+    const double off = from == 2 ? 4e-4 : 2e-5;
+    measured.to_from_from = SE3::exp(testing::random_twist(random, off)) * bundle.camera_from_world[to] *
+                            bundle.camera_from_world[from].inverse();
+    measured.information.diagonal() << 3e9, 1e9, 2e9, 5e9, 4e9, 3e9;
+    measured.information(0, 4) = measured.information(4, 0) = 1e9;
+    bundle.relative_poses.push_back(measured);
+  }
+  for (const double damping : {0.0, 0.1}) expect_dense_step(bundle, {}, damping);
 }
 
 TEST(BundleNormal, OutliersWeighAsTheKernelSays) {

@@ -20,7 +20,7 @@ KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, c
       tracker_(tracker),
       adjusting_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
-      local_mapping_(session.options, session.graph, &mapping_pool_, session.stop),
+      local_mapping_(session.options, session.graph, &mapping_pool_, session.stop, session.direct.alignment.get()),
       thinning_(session.options, session.graph, map_budget_bytes(context, reserve_mb)),
       database_(session.graph, standard_vocabulary()),
       loop_closing_(session.options, session.graph, database_),
@@ -30,7 +30,8 @@ KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, c
 KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe, std::size_t trajectory_bytes) {
   const std::int64_t id = keyframe.frame->data().id;
   Result result;
-  local_mapping_.process(keyframe);
+  result.keyframe = id;
+  result.view_of_keyframe = local_mapping_.process(keyframe);
   if (session_.options.loop_closing) {
     result.loop = loop_closing_.process(id);
     if (result.loop) {
@@ -40,7 +41,7 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
                                                                      session_.options.pixel_sigma);
     }
   }
-  thinning_.process(trajectory_bytes, result.events);
+  thinning_.process(trajectory_bytes + local_mapping_.view_bytes(), result.events);
   result.budget = thinning_.budget();
   result.view = view_of(session_.graph, id, session_.view_options());
   return result;
@@ -85,6 +86,7 @@ void KeyframePipeline::take_all_results(std::vector<SlamEvent>& events) {
 void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   events.insert(events.end(), result.events.begin(), result.events.end());
   session_.trajectory.put_back(result.refined);
+  session_.direct.keyframes.add(result.keyframe, result.view_of_keyframe);
   if (result.loop && !result.loop->merged) session_.uncertainty.close_loop(result.loop->matched, result.loop->keyframe);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
@@ -169,7 +171,7 @@ void KeyframePipeline::adjust_map() {
 
 void KeyframePipeline::archive_map() {
   if (session_.archive != nullptr && session_.mapping && mapping_.empty() && session_.archive->wants_map())
-    session_.archive->keep(map_of(session_.graph, session_.trajectory, session_.given));
+    session_.archive->keep(map_of(session_.graph, session_.trajectory, session_.given, session_.method));
 }
 
 }  // namespace rastro

@@ -64,6 +64,8 @@ class KeyframePipeline {
     std::shared_ptr<GlobalBundleAdjustment> adjustment;  ///< Still to be run; null: none.
     MapBudget budget;
     std::vector<TrackedFrame> refined;  ///< Frames that no longer need their observations.
+    std::int64_t keyframe = -1;
+    std::shared_ptr<const DirectView> view_of_keyframe;  ///< Null: features alone.
   };
 
   Result process(const KeyframeInput& keyframe, std::size_t trajectory_bytes);

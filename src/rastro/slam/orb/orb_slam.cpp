@@ -15,7 +15,8 @@ namespace rastro {
 /// Tracking, and the jobs beside it.
 class OrbSlam::State {
  public:
-  State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
+  State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context,
+        const OrbMethodParts& parts);
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();
@@ -38,8 +39,9 @@ class OrbSlam::State {
   std::vector<SlamEvent> events_;  ///< Not reported yet.
 };
 
-OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
-    : session_(options, source, context),
+OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context,
+                      const OrbMethodParts& parts)
+    : session_(options, source, context, parts),
       tracker_(session_.options, session_.sensor.camera, session_.sensor.sensor, session_.sensor.baseline),
       pipeline_(session_, tracker_, context),
       tracking_(session_, tracker_, pipeline_, context.pool),
@@ -49,7 +51,7 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
 
 void OrbSlam::State::use_map(const SlamContext& context) {
   const Map& map = *context.map;
-  check_map(map, session_.sensor, context.extend_map);
+  check_map(map, session_.sensor, context.extend_map, session_.method);
   session_.given = restore(map, session_.sensor.baseline, session_.graph);
   pipeline_.database().update();
   session_.mapping = context.extend_map;
@@ -96,7 +98,7 @@ Trajectory OrbSlam::State::trajectory() const {
 
 std::shared_ptr<const Map> OrbSlam::State::snapshot() const {
   pipeline_.wait();
-  return map_of(session_.graph, session_.trajectory, session_.given);
+  return map_of(session_.graph, session_.trajectory, session_.given, session_.method);
 }
 
 MapMemory OrbSlam::State::map_memory() const {
@@ -112,11 +114,13 @@ bool OrbSlam::State::set_mapping(bool on) {
   return true;
 }
 
-OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
+OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context,
+                 const OrbMethodParts& parts)
     : options_(options),
       source_(source),
       context_(context),
-      state_(std::make_unique<State>(options, source, context)) {}
+      parts_(parts),
+      state_(std::make_unique<State>(options, source, context, parts)) {}
 
 OrbSlam::~OrbSlam() = default;
 SlamUpdate OrbSlam::process(const Frame& frame) { return state_->process(frame); }
@@ -130,7 +134,7 @@ MapMemory OrbSlam::map_memory() const { return state_->map_memory(); }
 
 void OrbSlam::reset() {
   state_.reset();  // its jobs end before the next ones begin
-  state_ = std::make_unique<State>(options_, source_, context_);
+  state_ = std::make_unique<State>(options_, source_, context_, parts_);
 }
 
 }  // namespace rastro

@@ -7,6 +7,7 @@
 
 #include "rastro/sensor/source.h"
 #include "rastro/slam/orb/options.h"
+#include "rastro/slam/orb/session.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
 
@@ -20,7 +21,8 @@ class OrbSlam : public Slam {
  public:
   /// `source` must have a calibrated camera. Error for options out of range, and where it lacks the sensor named in
   /// `sensor`.
-  OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
+  OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context,
+          const OrbMethodParts& parts = {});
   ~OrbSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
@@ -38,6 +40,7 @@ class OrbSlam : public Slam {
   OrbSlamOptions options_;
   SourceInfo source_;
   SlamContext context_;
+  OrbMethodParts parts_;
   std::unique_ptr<State> state_;
 };
 

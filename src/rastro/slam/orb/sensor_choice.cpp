@@ -93,11 +93,11 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
   return choice;
 }
 
-void check_map(const Map& map, const SensorChoice& choice, bool extend) {
-  if (map.method != "orb")
-    throw Error("was made by method '" + map.method + "'", "--map", "give a map made by --method orb");
+void check_map(const Map& map, const SensorChoice& choice, bool extend, const std::string& method) {
+  if (map.method != method)
+    throw Error("was made by method '" + map.method + "'", "--map", "give a map made by --method " + method);
   if (!map.layer<FeatureLayer>() || !map.layer<LandmarkLayer>() || map.cameras.empty())
-    throw Error("has no features, no landmarks or no camera", "--map", "give a map made by --method orb");
+    throw Error("has no features, no landmarks or no camera", "--map", "give a map made by --method " + method);
   const auto features = map.layer<FeatureLayer>();
   for (const Keyframe& keyframe : map.keyframes)
     if (!features->find(keyframe.id))

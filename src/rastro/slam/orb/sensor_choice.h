@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/feature/orb.h"
@@ -34,7 +35,8 @@ OrbOptions orb_options(const OrbSlamOptions& options);
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source);
 
 /// Error where a run cannot use the map: one camera can localize in any map, but continues only a map of its own kind.
-void check_map(const Map& map, const SensorChoice& choice, bool extend);
+/// `method`: that of the run.
+void check_map(const Map& map, const SensorChoice& choice, bool extend, const std::string& method = "orb");
 
 /// Extracts features from frames, with depth where it is measured. Those of a rolling shutter are moved to where the
 /// camera had them when it read the middle row.

@@ -3,10 +3,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "rastro/backend/map_uncertainty.h"
 #include "rastro/backend/pipeline.h"
+#include "rastro/slam/orb/direct_alignment.h"
 #include "rastro/slam/orb/map/frame_trajectory.h"
 #include "rastro/slam/orb/map/map_export.h"
 #include "rastro/slam/orb/map/map_graph.h"
@@ -17,14 +21,30 @@
 
 namespace rastro {
 
+/// What a method of its own brings to these.
+struct OrbMethodParts {
+  std::string method = "orb";  ///< Its name, in maps.
+  /// Null: features alone. Not for one camera.
+  std::function<std::shared_ptr<const DirectAlignment>(const SensorChoice&)> direct = {};
+};
+
+/// What frames are aligned with, and by what.
+struct DirectTracking {
+  std::shared_ptr<const DirectAlignment> alignment = nullptr;  ///< Null: features alone.
+  DirectKeyframes keyframes = DirectKeyframes(20);
+};
+
 /// The state that tracking, local mapping and loop closing of one run share. The graph belongs to the jobs of the
 /// KeyframePipeline while any is in flight; all else belongs to the tracking thread.
 struct OrbSession {
   /// Error for options out of range, and where the source lacks the sensor named in `sensor`.
-  OrbSession(const OrbSlamOptions& settings, const SourceInfo& source, const SlamContext& context);
+  OrbSession(const OrbSlamOptions& settings, const SourceInfo& source, const SlamContext& context,
+             const OrbMethodParts& parts = {});
 
   OrbSlamOptions options;
   SensorChoice sensor;
+  std::string method;  ///< In maps.
+  DirectTracking direct;
   MapGraph graph;
   FrameTrajectory trajectory;
   MapUncertainty uncertainty;  ///< Of the keyframes.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/orb/local_mapping/bundle_problem.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace rastro {
 namespace {
@@ -43,6 +45,21 @@ void add_observed_point(const MapGraph& graph, const MapLandmark& landmark,
   }
 }
 
+/// Those between two of the cameras (ascending by keyframe).
+void add_direct_poses(const MapGraph& graph, const std::vector<CameraOfKeyframe>& cameras, BundleProblem& problem) {
+  const auto camera_of = [&](std::int64_t keyframe) -> std::optional<std::uint32_t> {
+    const auto at = std::lower_bound(cameras.begin(), cameras.end(), CameraOfKeyframe{keyframe, 0});
+    if (at == cameras.end() || at->first != keyframe) return std::nullopt;
+    return at->second;
+  };
+  for (const DirectPose& direct : graph.direct_poses()) {
+    const auto from = camera_of(direct.keyframe), to = camera_of(direct.camera);
+    if (!from || !to || (problem.bundle.fixed[*from] != 0 && problem.bundle.fixed[*to] != 0)) continue;
+    problem.bundle.relative_poses.push_back(
+        {*from, *to, direct.pose.camera_from_keyframe, direct.pose.covariance.inverse()});
+  }
+}
+
 }  // namespace
 
 BundleProblem bundle_problem(const MapGraph& graph, const std::vector<std::int64_t>& free,
@@ -68,6 +85,7 @@ BundleProblem bundle_problem(const MapGraph& graph, const std::vector<std::int64
   problem.landmarks.erase(std::unique(problem.landmarks.begin(), problem.landmarks.end()), problem.landmarks.end());
   for (const std::int64_t id : problem.landmarks)
     add_observed_point(graph, graph.landmark(id), cameras, pixel_sigma, problem);
+  add_direct_poses(graph, cameras, problem);
   return problem;
 }
 

@@ -12,8 +12,8 @@
 namespace rastro {
 
 LocalMapping::LocalMapping(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool,
-                           const std::atomic<bool>* stop)
-    : options_(options), graph_(graph), pool_(pool), stop_(stop) {}
+                           const std::atomic<bool>* stop, const DirectAlignment* direct)
+    : options_(options), graph_(graph), pool_(pool), stop_(stop), direct_(direct, graph) {}
 
 bool LocalMapping::initialize(const std::shared_ptr<const FeatureFrame>& first,
                               const std::shared_ptr<const FeatureFrame>& second, const SE3& second_from_first,
@@ -49,13 +49,16 @@ void LocalMapping::initialize(const std::shared_ptr<const FeatureFrame>& frame, 
   add_depth_landmarks(graph_.add_keyframe(frame, SE3(), submap, -1).id);
 }
 
-void LocalMapping::process(const KeyframeInput& input) {
+std::shared_ptr<const DirectView> LocalMapping::process(const KeyframeInput& input) {
   const std::int64_t keyframe = input.frame->data().id;
   insert_keyframe(input);
   cull_landmarks(keyframe);
   create_landmarks(keyframe);
+  auto view = direct_.add(keyframe, input.view.get());
+  direct_.connect(keyframe);
   adjust_locally(keyframe);
   cull_keyframes(keyframe);
+  return view;
 }
 
 void LocalMapping::insert_keyframe(const KeyframeInput& input) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/slam/orb/local_mapping/direct_poses.h"
 #include "rastro/slam/orb/map/map_graph.h"
 #include "rastro/slam/orb/options.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
@@ -29,14 +30,16 @@ struct KeyframeInput {
   double reference_unit = 1.0;  ///< ... and its unit in the view.
   std::vector<TrackedPoint> points;
   std::map<std::int64_t, LandmarkCounts> counts{};  ///< By landmark.
+  std::shared_ptr<const DirectView> view{};         ///< Null: features alone.
 };
 
 /// Local mapping of a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).
 class LocalMapping {
  public:
   /// The graph is the caller's and outlives this. `stop` (may be null): once true, adjustments end early because the
-  /// run is ending.
-  LocalMapping(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop = nullptr);
+  /// run is ending. `direct`: null: features alone.
+  LocalMapping(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop = nullptr,
+               const DirectAlignment* direct = nullptr);
 
   /// Initializes a submap with its first two keyframes and their points in the first camera's frame (one per pair of
   /// features, in order). False, and nothing is kept, if fewer than init_points are left after bundle
@@ -46,8 +49,14 @@ class LocalMapping {
                   const std::vector<std::optional<Eigen::Vector3d>>& points, int submap);
   /// Initializes a submap with its first keyframe, from depth.
   void initialize(const std::shared_ptr<const FeatureFrame>& frame, int submap);
-  /// Processes a keyframe from insertion to culling; without loop closing.
-  void process(const KeyframeInput& input);
+  /// Processes a keyframe from insertion to culling; without loop closing. Returns what frames can be aligned with, or
+  /// null.
+  std::shared_ptr<const DirectView> process(const KeyframeInput& input);
+  /// As process() keeps and returns it, of the keyframe that a submap was initialized with.
+  std::shared_ptr<const DirectView> add_view(std::int64_t keyframe, const DirectView* view) {
+    return direct_.add(keyframe, view);
+  }
+  std::size_t view_bytes() const { return direct_.bytes(); }
   /// Adjusts all keyframes and landmarks of a submap; the root stays fixed.
   void adjust_all(int submap, int iterations);
 
@@ -73,6 +82,7 @@ class LocalMapping {
   MapGraph& graph_;
   TaskPool* pool_;
   const std::atomic<bool>* stop_;
+  DirectPoses direct_;
   std::vector<std::int64_t> recent_;  ///< Recently created landmarks, still subject to culling.
 };
 

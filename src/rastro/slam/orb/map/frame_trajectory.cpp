@@ -14,6 +14,15 @@ SE3 pose_of(const MapGraph& graph, const TrackedFrame& frame) {
   return from_keyframe * graph.camera_from_world(frame.keyframe);
 }
 
+/// Features and images together, where there are both.
+SE3 with_direct(const TrackedFrame& frame, const MapGraph& graph, const PoseRefinement& refined) {
+  if (!frame.direct || graph.submap(frame.direct->keyframe) != graph.submap(frame.keyframe))
+    return refined.camera_from_world;
+  const RelativePose& direct = frame.direct->pose;
+  const SE3 by_images = direct.camera_from_keyframe * graph.camera_from_world(frame.direct->keyframe);
+  return fused({refined.camera_from_world, refined.covariance}, {by_images, direct.covariance}).camera_from_keyframe;
+}
+
 }  // namespace
 
 void FrameTrajectory::add(const TrackedFrame& frame) {
@@ -98,7 +107,7 @@ void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least) {
   }
   const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
   if (refined.inliers < least) return;
-  frame.camera_from_keyframe = refined.camera_from_world * graph.camera_from_world(frame.keyframe).inverse();
+  frame.camera_from_keyframe = with_direct(frame, graph, refined) * graph.camera_from_world(frame.keyframe).inverse();
   frame.unit = graph.unit(frame.keyframe);
 }
 

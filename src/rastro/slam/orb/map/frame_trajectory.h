@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "rastro/sensor/trajectory.h"
@@ -19,6 +20,12 @@ struct FrameObservation {
   float sigma = 0.0F;   ///< Normalized.
 };
 
+/// A frame's pose relative to a keyframe, from whole images.
+struct DirectObservation {
+  std::int64_t keyframe = -1;
+  RelativePose pose;
+};
+
 /// A frame with a pose relative to a keyframe, so that it follows the keyframe's later corrections.
 struct TrackedFrame {
   std::int64_t index = 0;
@@ -28,9 +35,11 @@ struct TrackedFrame {
   double unit = 1.0;                   ///< The keyframe's unit when the frame was tracked.
   std::int64_t became = -1;            ///< The keyframe made from it; -1: none.
   std::vector<FrameObservation> seen;  ///< The observations used for its pose.
+  std::optional<DirectObservation> direct = {};
 };
 
-/// Re-estimates the pose from the frame's observations in the current map; kept with fewer than `least` inliers.
+/// Re-estimates the pose from the frame's observations and its direct one in the current map; kept with fewer than
+/// `least` inliers.
 void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least);
 
 /// All frames that have a pose.

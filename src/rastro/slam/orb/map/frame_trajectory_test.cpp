@@ -266,5 +266,19 @@ TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
   }
 }
 
+/// What whole images say of the pose counts with the features, by its certainty.
+TEST(FrameTrajectory, RefinesWithTheDirectPose) {
+  PathBench bench(CameraKind::depth);
+  const SE3 by_features = pose_at(0.4), by_images = pose_at(0.4) * SE3(SO3(), {0.0, 0.0, 0.01});
+  const SE3 relative = (bench.map.graph.camera_from_world(1) * by_images).inverse();
+  for (const double sigma : {1e-7, 10.0}) {
+    TrackedFrame frame = bench.seeing(3, 0, by_features, SE3(SO3(), {0.002, 0.0, 0.0}));
+    frame.direct = DirectObservation{1, {relative, sigma * sigma * Matrix6d::Identity()}};
+    refine_frame(frame, bench.map.graph, 15);
+    const SE3 refined = (frame.camera_from_keyframe * bench.map.graph.camera_from_world(0)).inverse();
+    EXPECT_THAT(refined, pose_near(sigma < 1.0 ? by_images : by_features, 2e-4, 2e-4)) << sigma;
+  }
+}
+
 }  // namespace
 }  // namespace rastro

@@ -94,9 +94,9 @@ void add_frames(const MapGraph& graph, const FrameTrajectory& trajectory, int la
 }  // namespace
 
 std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& trajectory,
-                                  const std::optional<GivenMap>& given) {
+                                  const std::optional<GivenMap>& given, const std::string& method) {
   auto map = std::make_shared<Map>();
-  map->method = "orb";
+  map->method = method;
   map->revision = graph.newest_keyframe() + 1;
   const double baseline = graph.sensor() == CameraKind::stereo ? graph.baseline() : 0.0;
   map->cameras.push_back({graph.sensor(), graph.camera(), baseline, {}, SE3()});

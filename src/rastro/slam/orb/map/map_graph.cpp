@@ -100,6 +100,7 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   erase_sorted(keyframe(gone.parent).children, id);
   std::erase_if(constraints_,
                 [&](const Constraint& constraint) { return constraint.from == id || constraint.to == id; });
+  std::erase_if(direct_poses_, [&](const DirectPose& direct) { return direct.keyframe == id || direct.camera == id; });
   keyframes_[static_cast<std::size_t>(id)].reset();
   --keyframe_count_;
 }

@@ -12,6 +12,7 @@
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/math/sim3.h"
+#include "rastro/slam/orb/direct_alignment.h"
 #include "rastro/slam/orb/map/feature_frame.h"
 #include "rastro/slam/orb/map/fused_landmarks.h"
 
@@ -52,6 +53,12 @@ struct MapLandmark {
   std::vector<LandmarkObservation> observations;  ///< Keyframes ascending; at most one per keyframe.
   std::int64_t first_keyframe = 0;                ///< The keyframe that created it.
   int visible = 1, found = 1;                     ///< Numbers of frames where it should be visible, and was found.
+};
+
+/// Pose of one keyframe's camera relative to another's, from whole images.
+struct DirectPose {
+  std::int64_t keyframe = 0, camera = 0;  ///< Keyframes; the pose is that of `camera` relative to `keyframe`.
+  RelativePose pose;
 };
 
 /// The map under construction: keyframes, landmarks, observations, covisibility (always up to date) and the spanning
@@ -124,6 +131,9 @@ class MapGraph {
 
   std::vector<Constraint>& constraints() { return constraints_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }
+  /// Those of removed keyframes go with them.
+  std::vector<DirectPose>& direct_poses() { return direct_poses_; }
+  const std::vector<DirectPose>& direct_poses() const { return direct_poses_; }
   int submap_count() const { return submaps_; }
   int new_submap() { return submaps_++; }
   /// Merges two submaps; merged submaps share the smallest number. `from` is transformed by `to_from_from` and becomes
@@ -154,6 +164,7 @@ class MapGraph {
   FusedLandmarks fused_{16000};  ///< Frames refer to landmarks for 600 frames, with up to 25 fused in each.
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
   std::vector<Constraint> constraints_;
+  std::vector<DirectPose> direct_poses_;
   int submaps_ = 0;
 };
 

@@ -294,6 +294,11 @@ TrackingResult FrameTracker::track_from(const std::shared_ptr<const FeatureFrame
   return result;
 }
 
+void FrameTracker::correct(const SE3& camera_from_world) {
+  velocity_ = camera_from_world * last_pose_.inverse() * velocity_;
+  last_pose_ = camera_from_world;
+}
+
 void FrameTracker::accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& result) {
   velocity_ = result.camera_from_world * last_pose_.inverse();
   last_pose_ = result.camera_from_world;

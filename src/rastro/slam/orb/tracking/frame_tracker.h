@@ -9,6 +9,7 @@
 
 #include "rastro/backend/guided_search.h"
 #include "rastro/optimize/pose_refinement.h"
+#include "rastro/slam/orb/map/frame_trajectory.h"
 #include "rastro/slam/orb/map/map_view.h"
 #include "rastro/slam/orb/options.h"
 
@@ -42,9 +43,10 @@ struct TrackingResult {
   double chance_inliers = 0.0;             ///< Inliers that a wrong pose would have, where this had to be known.
   double mean_squared = 0.0;
   std::vector<TrackedPoint> points;
-  std::vector<TrackedPoint> outliers;  ///< Matched, but inconsistent with the pose.
-  std::vector<std::int64_t> visible;   ///< Landmarks that should be visible; ids ascend.
-  std::int64_t reference = -1;         ///< Keyframe that shares most points.
+  std::vector<TrackedPoint> outliers;            ///< Matched, but inconsistent with the pose.
+  std::vector<std::int64_t> visible;             ///< Landmarks that should be visible; ids ascend.
+  std::int64_t reference = -1;                   ///< Keyframe that shares most points.
+  std::optional<DirectObservation> direct = {};  ///< By which the pose was refined.
 };
 
 /// Tracks frames in a view of the map, METHODS 6: by constant velocity, else by the reference keyframe, then by the
@@ -69,6 +71,8 @@ class FrameTracker {
   TrackingResult track(const std::shared_ptr<const FeatureFrame>& frame, const std::vector<LandmarkTrack>& tracks = {});
   /// Tracks from a given approximate pose, as after relocalization; chance_inliers is not compared.
   TrackingResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
+  /// The last frame has this pose, as more than its features show.
+  void correct(const SE3& camera_from_world);
   /// How many landmarks fit a wrong pose by chance: the mean over poses rotated by more than a search window, each
   /// refined as if it were right. What stands out less from it is no evidence for a pose (a contrario validation:
   /// Moisan and Stival 2004, "A probabilistic criterion to detect rigid point matches between two images").

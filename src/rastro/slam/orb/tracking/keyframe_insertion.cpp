@@ -39,9 +39,11 @@ std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFr
 }
 
 std::vector<std::uint32_t> KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame,
-                                                     const TrackingResult& tracked, SlamUpdate& update) {
+                                                     const TrackingResult& tracked, SlamUpdate& update,
+                                                     std::shared_ptr<const DirectView> view) {
   if (!pipeline_.accepts()) return {};
-  auto input = std::make_shared<const KeyframeInput>(input_of(*frame, tracked));
+  auto input = std::make_shared<KeyframeInput>(input_of(*frame, tracked));
+  input->view = std::move(view);
   const std::int64_t id = input->frame->data().id;
   std::vector<std::uint32_t> fresh = new_depth_features(*frame, tracked);
   tracker_.add_depth_points(id, input->frame, tracked.camera_from_world, fresh);

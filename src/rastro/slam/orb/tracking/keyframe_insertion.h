@@ -22,9 +22,9 @@ class KeyframeInsertion {
 
   bool needs_keyframe(const FeatureFrame& frame, const TrackingResult& tracked) const;
   /// Hands the keyframe to the pipeline. Returns the features with depth that become landmarks at once. Does nothing in
-  /// a live run where mapping has fallen behind.
+  /// a live run where mapping has fallen behind. `view`: null: features alone.
   std::vector<std::uint32_t> insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked,
-                                    SlamUpdate& update);
+                                    SlamUpdate& update, std::shared_ptr<const DirectView> view = nullptr);
   /// Maps the keyframe at once, for frames before a map's first keyframe.
   void insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
 

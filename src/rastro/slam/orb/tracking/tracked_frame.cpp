@@ -12,7 +12,8 @@ TrackedFrame tracked_frame(const MapGraph& graph, const MapView& view, const Fea
                       tracked.camera_from_world * reference.camera_from_world.inverse(),
                       reference.unit,
                       -1,
-                      {}};
+                      {},
+                      tracked.direct};
   for (const TrackedPoint& point : tracked.points) {
     if (point.landmark < 0) continue;
     result.seen.push_back({point.landmark, frame.ray(point.feature).cast<float>(),

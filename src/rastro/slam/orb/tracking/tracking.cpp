@@ -35,6 +35,7 @@ Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& camera_from_world)
 Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, TaskPool* pool)
     : session_(session),
       tracker_(tracker),
+      pipeline_(pipeline),
       check_(session.options.frame_check),
       extractor_(session.options, session.sensor, pool),
       feature_count_(session.options, session.mono()),
@@ -57,12 +58,12 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
-  if (!tracked) return initialize(measured.features, update);
+  if (!tracked) return initialize(measured, update);
   if (relocalization_.is_unconfirmed() && !confirm(measured.features, *tracked, update)) return;
   Stopwatch stage;
   observe(*tracked, ObservationState::inlier, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
-  insert_keyframe(measured.features, *tracked, update);
+  insert_keyframe(measured, *tracked, update);
   report_submap(*tracked, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
 }
@@ -90,8 +91,12 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   Measurements measured;
   extractor_.set_features(feature_count_.next());
   measured.features = extractor_.make(frame, depth_from_color(frame));
-  session_.last_stamp = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
+  if (session_.direct.alignment && session_.mapping) {
+    measured.view = session_.direct.alignment->view_of(frame, depth_from_color(frame));
+    update.times.push_back({"view", stage.lap_ms()});
+  }
+  session_.last_stamp = frame.stamp;
   if (tracks_) {
     measured.tracks = tracks_->follow(frame);
     update.times.push_back({"tracks", stage.lap_ms()});
@@ -127,7 +132,7 @@ bool Tracking::waits_for_rotation(const FramePointer& frame, SlamUpdate& update)
 std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
   Stopwatch stage;
   const SE3 predicted = tracker_.predicted();
-  const TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
+  TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
     observe(tracked, ObservationState::matched, ObservationState::matched);
@@ -139,10 +144,35 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     return std::nullopt;
   }
   if (jumps_in_given_map(tracked, predicted, update)) return std::nullopt;
+  align(measured, tracked, update);
   update.state = SlamState::tracking;
   // The trial of a new map compares frames with the features that it began with.
   if (session_.mapping && !initialization_.is_on_trial()) feature_count_.on_tracked(tracked.inliers);
   return tracked;
+}
+
+/// Refines the pose by the pixels of the whole image, against the keyframe that shares most landmarks or, while that
+/// one is not mapped yet, the newest one in the view.
+void Tracking::align(const Measurements& measured, TrackingResult& tracked, SlamUpdate& update) {
+  if (!measured.view) return;
+  Stopwatch stage;
+  const std::vector<MapView::Keyframe>& keyframes = tracker_.view()->keyframes;
+  const MapView::Keyframe* keyframe = &tracker_.view()->keyframe(tracked.reference);
+  for (auto at = keyframes.rbegin(); at != keyframes.rend() && !session_.direct.keyframes.find(keyframe->id); ++at)
+    keyframe = &*at;
+  const DirectView* known = session_.direct.keyframes.find(keyframe->id);
+  const RelativePose by_features{tracked.camera_from_world * keyframe->camera_from_world.inverse(), tracked.covariance};
+  const auto aligned = known == nullptr
+                           ? std::nullopt
+                           : session_.direct.alignment->align(*known, *measured.view, by_features.camera_from_keyframe);
+  if (aligned) {
+    const RelativePose both = fused(by_features, *aligned);
+    tracked.direct = DirectObservation{keyframe->id, *aligned};
+    tracked.camera_from_world = both.camera_from_keyframe * keyframe->camera_from_world;
+    tracked.covariance = both.covariance;
+    tracker_.correct(tracked.camera_from_world);
+  }
+  update.times.push_back({"align", stage.lap_ms()});
 }
 
 /// A map that is being made has its own errors, and corrects them: there the pose is only weak (MotionCheck).
@@ -204,11 +234,15 @@ bool Tracking::confirm(const FramePointer& frame, const TrackingResult& tracked,
   return true;
 }
 
-void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
+void Tracking::initialize(const Measurements& measured, SlamUpdate& update) {
   if (!session_.mapping) return;
   Stopwatch stage;
-  initialization_.process(frame, update);
-  if (session_.tracking) observe_first_landmarks(*frame);
+  initialization_.process(measured.features, update);
+  if (session_.tracking) observe_first_landmarks(*measured.features);
+  if (session_.tracking && measured.view) {
+    const std::int64_t first = session_.graph.newest_keyframe();
+    session_.direct.keyframes.add(first, pipeline_.local_mapping().add_view(first, measured.view.get()));
+  }
   update.times.push_back({"start", stage.lap_ms()});
 }
 
@@ -243,15 +277,15 @@ void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) 
   update.detail = fmt::format("in submap {}, not connected to the first yet", submap);
 }
 
-void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
+void Tracking::insert_keyframe(const Measurements& measured, const TrackingResult& tracked, SlamUpdate& update) {
   keyframes_.count_observations(tracked);
   if (!session_.mapping) {
     follow_reference(tracked);
-  } else if (keyframes_.needs_keyframe(*frame, tracked)) {
+  } else if (keyframes_.needs_keyframe(*measured.features, tracked)) {
     const std::int64_t id = session_.next_keyframe;
     note_uncertainty(id, tracked, update.world_from_body.translation());
     // Landmarks of a keyframe get their numbers beside tracking; a feature may have been an outlier of another one.
-    for (const std::uint32_t feature : keyframes_.insert(frame, tracked, update)) {
+    for (const std::uint32_t feature : keyframes_.insert(measured.features, tracked, update, measured.view)) {
       observations_[feature].landmark = -1;
       observations_[feature].state = ObservationState::new_landmark;
     }

@@ -36,23 +36,25 @@ class Tracking {
   /// The measurements of a frame.
   struct Measurements {
     FramePointer features;
-    std::vector<LandmarkTrack> tracks;  ///< Only with frontend `tracks`.
+    std::vector<LandmarkTrack> tracks;         ///< Only with frontend `tracks`.
+    std::shared_ptr<const DirectView> view{};  ///< Null: features alone.
   };
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
   Measurements extract_features(const Frame& frame, SlamUpdate& update);
   std::optional<TrackingResult> track_map(const Measurements& measured, SlamUpdate& update);
+  void align(const Measurements& measured, TrackingResult& tracked, SlamUpdate& update);
   std::optional<TrackingResult> relocalize(const FramePointer& frame, SlamUpdate& update);
   /// Whether tracking has a pose that is believed.
   bool follows_map() const;
   bool confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
-  void initialize(const FramePointer& frame, SlamUpdate& update);
+  void initialize(const Measurements& measured, SlamUpdate& update);
   void observe(const TrackingResult& tracked, ObservationState fitting, ObservationState contradicted);
   void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
   void note_uncertainty(std::int64_t keyframe, const TrackingResult& tracked, const Eigen::Vector3d& position);
   double scale_variance(const Matrix6d& covariance, const Eigen::Vector3d& position);
-  void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
+  void insert_keyframe(const Measurements& measured, const TrackingResult& tracked, SlamUpdate& update);
   SE3 depth_from_color(const Frame& frame) const;
   bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
   std::string why_lost(const TrackingResult& tracked) const;
@@ -64,6 +66,7 @@ class Tracking {
 
   OrbSession& session_;
   FrameTracker& tracker_;
+  KeyframePipeline& pipeline_;
   FrameCheck check_;
   std::optional<FrameRectifier> rectifier_;
   FeatureMaker extractor_;
