@@ -40,12 +40,12 @@ TEST(DepthCameraMeasurement, ReadsDepthsWithTheNoiseOfTheCameraButNoneAtEdges) {
   EXPECT_EQ(measurement.find(32, 20).result, EpipolarResult::outside);
 }
 
-/// A box of 10 cm before a wall: at its edge the window's mean would be too far by 2.5 %.
+/// A box of 20 cm before a wall: at its edge the mean of the window would be too far by 5 %.
 TEST(DepthCameraMeasurement, ReadsNoneAtLowSteps) {
   const LsdSensor sensor = depth_sensor();
   DepthImage depth(64, 48);
   for (int y = 0; y < 48; ++y)
-    for (int x = 0; x < 64; ++x) depth.at(x, y) = x < 32 ? 2.0F : 2.1F;
+    for (int x = 0; x < 64; ++x) depth.at(x, y) = x < 32 ? 2.0F : 2.2F;
   LsdOptions options;
   const DepthCameraMeasurement measurement(depth, SE3(), sensor, options);
   for (const int x : {31, 32}) EXPECT_EQ(measurement.find(x, 20).result, EpipolarResult::outside) << x;
