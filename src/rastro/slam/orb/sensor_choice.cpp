@@ -13,8 +13,6 @@ namespace rastro {
 namespace {
 
 constexpr int pixels_of_vga = 640 * 480;
-/// A corner at the edge of a box, even a low one, belongs to what is nearer.
-constexpr double depth_edge_sigmas = 1.6;
 
 RgbdOptions farther_reading() {
   RgbdOptions options;
@@ -28,7 +26,7 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& ke
   const auto ray = camera.unproject(Eigen::Vector2d(keypoint.x, keypoint.y));
   if (!ray) return 0.0F;
   static const RgbdOptions reading = farther_reading();
-  const auto read = read_depth(depth, camera, *ray, depth_from_color, reading, depth_edge_sigmas);
+  const auto read = read_depth(depth, camera, *ray, depth_from_color, reading);
   return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
 }
 
