@@ -88,8 +88,11 @@ endif()
 # What every target of rastro's own is compiled with; never a global flag.
 add_library(rastro_build_flags INTERFACE)
 # No contraction: a sum gives the same bits with and without FMA, so SIMD and plain versions can be compared exactly.
-target_compile_options(rastro_build_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
+target_compile_options(rastro_build_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic
   -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough -Wno-psabi)
+if(NOT RASTRO_UNITY)  # there, what one source names may be a parameter in another
+  target_compile_options(rastro_build_flags INTERFACE -Wshadow)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 sees overlaps inside std::string's own operator+ (bug 105651).
   target_compile_options(rastro_build_flags INTERFACE -Wno-restrict)

@@ -15,7 +15,7 @@ HEAD = """# Sources that are compiled as one (RASTRO_UNITY): one group a line, p
 # a group; `alone` begins the line of a source that goes with no other for another reason, as a name that a header has. A source that is
 # not here is compiled alone. scripts/check_compiled_together.py --fix keeps this list.
 """
-MOST_IN_GROUP = 6
+MOST_IN_GROUP = {True: 18, False: 9}  # of tests, most of whose time goes into headers; of others
 ROOTS = ["src/rastro", "tests/contract", "tests/real"]
 NEVER = re.compile(r"_avx2\.cpp$|/main\.cpp$")
 DEFINITIONS = [re.compile(form) for form in (
@@ -24,13 +24,21 @@ DEFINITIONS = [re.compile(form) for form in (
     r"^(?:\[\[\w+\]\] )?(?:constexpr |inline )?[\w:<>,*& ]+? [*&]?(\w+)\(",
     r"^(?:constexpr |const |inline |static )*[\w:<>,&*\s]+?[\s*&](\w+)\s*(?:=|\{|;|\[|\()",
 )]
+FURTHER = re.compile(r", (\w+) = ")  # constexpr double a = 1.0, b = 2.0;
 
 
 def module_of(path):
     """The nearest folder around it with a CMakeLists.txt, of which tests are compiled apart."""
     folder = next(parent for parent in (ROOT / path).parents if (parent / "CMakeLists.txt").is_file())
-    tests = " (tests)" if re.search(r"_(test|testing)\.cpp$", path) else ""
-    return str(folder.relative_to(ROOT)) + tests
+    return str(folder.relative_to(ROOT)) + (" (tests)" if is_test(path) else "")
+
+
+def is_test(path):
+    return re.search(r"_(test|testing)\.cpp$", path) is not None
+
+
+def most_beside(path):
+    return MOST_IN_GROUP[is_test(path)]
 
 
 def names_of(path):
@@ -43,7 +51,7 @@ def names_of(path):
         for line in block.group(1).split("\n"):
             match = next((m for m in (form.match(line) for form in DEFINITIONS) if m), None) if depth == 0 else None
             if match:
-                found.add((around, match.group(1)))
+                found |= {(around, name) for name in (match.group(1), *FURTHER.findall(line[match.end():]))}
             depth += line.count("{") - line.count("}")
     return found
 
@@ -81,7 +89,7 @@ def grouped(files, groups, names):
     for group in groups:
         kept, used = [], set()
         for path in group:
-            if path in files and path not in taken and not names[path] & used and len(kept) < MOST_IN_GROUP:
+            if path in files and path not in taken and not names[path] & used and len(kept) < most_beside(path):
                 kept.append(path)
                 used |= names[path]
                 taken[path] = True
@@ -90,7 +98,7 @@ def grouped(files, groups, names):
     for path in sorted((path for path in files if path not in taken), key=lambda path: (-len(names[path]), path)):
         module = module_of(path)
         place = next(((kept, used) for kept, used in result
-                      if len(kept) < MOST_IN_GROUP and module_of(kept[0]) == module and not names[path] & used), None)
+                      if len(kept) < most_beside(path) and module_of(kept[0]) == module and not names[path] & used), None)
         if place is None:
             place = ([], set())
             result.append(place)

@@ -2,25 +2,19 @@
 // Clouds of many millions of points, served by the program in tiles: first picture, memory of the tab, time of a picture
 // while orbiting. Only where RASTRO_PROGRAM names the program; RASTRO_WEB_POINTS sets how many points (5 million).
 import assert from 'node:assert/strict';
-import { spawn, type ChildProcess } from 'node:child_process';
-import { closeSync, mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { resolve } from 'node:path';
-import { after, test } from 'node:test';
-import type { Browser, Page } from 'playwright-core';
+import { closeSync, openSync, readFileSync, readdirSync, writeSync } from 'node:fs';
+import { test } from 'node:test';
+import type { Page } from 'playwright-core';
 import { faultsOf, launch, open, pageWith, screenshot } from './browser';
 import { colors } from './page_testing';
+import { openCurrent, scratchFolder, serving, skip } from './program_testing';
 import { random } from './scene_writer';
 import { exactScene } from './scenes';
-import { contentPolicy } from './serve';
 
-const program = resolve(process.env.RASTRO_PROGRAM ?? '');
-const skip = !process.env.RASTRO_PROGRAM;
 const points = Number(process.env.RASTRO_WEB_POINTS ?? 5e6);
 const limitMs = Number(process.env.RASTRO_WEB_LIMIT_MS ?? 3000);
 const mostTabMb = 1500;
-const folder = mkdtempSync(`${tmpdir()}/rastro_large_`);
-after(() => rmSync(folder, { recursive: true, force: true }));
+const folder = scratchFolder('large');
 
 /** Floors and walls of a building of 200 x 100 m with rooms of 10 m, as a PLY file: x y z, red green blue. */
 function writeCloud(file: string): void {
@@ -40,16 +34,6 @@ function writeCloud(file: string): void {
     writeSync(out, bytes, 0, 15 * count);
   }
   closeSync(out);
-}
-
-async function view(file: string): Promise<{ url: string; child: ChildProcess; seconds: number }> {
-  const begin = performance.now();
-  const child = spawn(program, ['view', file, '--port', '0', '--quiet'], { stdio: ['ignore', 'pipe', 'inherit'] });
-  const url = await new Promise<string>((done, fail) => {
-    child.stdout!.once('data', (text) => done(String(text).trim()));
-    child.once('exit', (code) => fail(new Error(`rastro view ended with ${code}`)));
-  });
-  return { url, child, seconds: (performance.now() - begin) / 1000 };
 }
 
 /** Memory that the processes below this one have for themselves, and their share of what is common, by kind. */
@@ -73,7 +57,7 @@ function memoryMb(kind: string): number {
 
 test(`${points} points in a file stay usable`, { skip, timeout: 300_000 }, async (t) => {
   writeCloud(`${folder}/cloud.ply`);
-  const { url, child, seconds } = await view(`${folder}/cloud.ply`);
+  const { url, child, seconds } = await serving(folder, 'view', 'cloud.ply', '--quiet');
   const browser = await launch();
   try {
     // The browser's own start is not the page's time.
@@ -103,13 +87,6 @@ test(`${points} points in a file stay usable`, { skip, timeout: 300_000 }, async
     await browser.close();
   }
 });
-
-/** The program's scenes in the page as it is built now, not as it was packed into the program. */
-async function openCurrent(browser: Browser, url: string): Promise<Page> {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
-  await context.route(url, (route) => route.fulfill({ body: readFileSync('dist/viewer.html'), contentType: 'text/html', headers: { 'content-security-policy': contentPolicy } }));
-  return open(context, url);
-}
 
 function residentMb(pid: number): number {
   return Number(/^VmHWM:\s+(\d+)/m.exec(readFileSync(`/proc/${pid}/status`, 'latin1'))![1]) / 1e3;

@@ -2,28 +2,19 @@
 // The file that --mcap writes while a run goes on, read by MCAP's own reader: its counts are those of the run. Needs the
 // program: only where RASTRO_PROGRAM names it.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { resolve } from 'node:path';
-import { after, before, test } from 'node:test';
+import { readFileSync } from 'node:fs';
+import { before, test } from 'node:test';
 import { McapIndexedReader, McapStreamReader } from '@mcap/core';
+import { rastro, scratchFolder, skip } from './program_testing';
 
-const program = resolve(process.env.RASTRO_PROGRAM ?? '');
-const skip = !process.env.RASTRO_PROGRAM;
-const folder = mkdtempSync(`${tmpdir()}/rastro_mcap_`);
-
-function rastro(...words: string[]): void {
-  execFileSync(program, words, { cwd: folder, stdio: ['ignore', 'ignore', 'inherit'] });
-}
+const folder = scratchFolder('mcap');
 
 before(() => {
   if (skip) return;
-  rastro('simulate', 'hall', '--out', 'hall', '--frames', '50', '--no-ground-truth', '--quiet');
-  rastro('simulate', 'study', '--out', 'study', '--frames', '60', '--every', '2', '--quiet');
-  rastro('simulate', 'corridor', '--out', 'corridor', '--frames', '150', '--quiet');
+  rastro(folder, 'simulate', 'hall', '--out', 'hall', '--frames', '50', '--no-ground-truth', '--quiet');
+  rastro(folder, 'simulate', 'study', '--out', 'study', '--frames', '60', '--every', '2', '--quiet');
+  rastro(folder, 'simulate', 'corridor', '--out', 'corridor', '--frames', '150', '--quiet');
 });
-after(() => rmSync(folder, { recursive: true, force: true }));
 
 /** Messages by topic, from front to back, as far as the file goes. */
 function streamed(bytes: Uint8Array): Map<string, number> {
@@ -58,11 +49,12 @@ interface RunEvent {
 const cases: Record<string, { command: string; world: string }> = {
   orb: { command: 'slam', world: 'hall' }, lsd: { command: 'slam', world: 'hall' }, rgbd: { command: 'slam', world: 'study' }, rtabmap: { command: 'slam', world: 'study' },
   hector: { command: 'slam', world: 'corridor' }, ekf: { command: 'slam', world: 'corridor' }, features: { command: 'odometry', world: 'hall' },
+  fusion: { command: 'slam', world: 'study' }, hybrid: { command: 'odometry', world: 'hall' }, classic: { command: 'odometry', world: 'hall' }, profiles: { command: 'odometry', world: 'hall' },
 };
 
 for (const [method, { command, world }] of Object.entries(cases)) {
   test(`--mcap of ${method}: the reader counts what the run did`, { skip }, async () => {
-    rastro(command, world, '--method', method, '--out', method, '--mcap', `${method}.mcap`, '--quiet');
+    rastro(folder, command, world, '--method', method, '--out', method, '--mcap', `${method}.mcap`, '--quiet');
     const bytes = readFileSync(`${folder}/${method}.mcap`);
     const counts = streamed(bytes);
     const events = linesOf(`${method}/events.jsonl`).map((line) => JSON.parse(line) as RunEvent);

@@ -2,32 +2,23 @@
 // The map of each method, from a generated world: every layer changes the picture, and its points are drawn where the map
 // says. Needs the program and takes minutes: only where RASTRO_PROGRAM names it.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { resolve } from 'node:path';
-import { after, before, test } from 'node:test';
+import { readFileSync } from 'node:fs';
+import { before, test } from 'node:test';
 import type { Page } from 'playwright-core';
 import { drawn, pageWith, readPng, screenshot, type Picture } from './browser';
 import { canvasPicture, colors, useBrowser, withPage } from './page_testing';
+import { rastro, scratchFolder, skip } from './program_testing';
 
-const program = resolve(process.env.RASTRO_PROGRAM ?? '');
-const skip = !process.env.RASTRO_PROGRAM;
-const folder = mkdtempSync(`${tmpdir()}/rastro_methods_`);
+const folder = scratchFolder('methods');
 
 useBrowser();
 
-function rastro(...words: string[]): void {
-  execFileSync(program, words, { cwd: folder, stdio: ['ignore', 'ignore', 'inherit'] });
-}
-
 before(() => {
   if (skip) return;
-  rastro('simulate', 'hall', '--out', 'hall', '--frames', '90', '--no-ground-truth', '--quiet');
-  rastro('simulate', 'study', '--out', 'study', '--frames', '180', '--every', '2', '--quiet');
-  rastro('simulate', 'corridor', '--out', 'corridor', '--frames', '400', '--quiet');
+  rastro(folder, 'simulate', 'hall', '--out', 'hall', '--frames', '90', '--no-ground-truth', '--quiet');
+  rastro(folder, 'simulate', 'study', '--out', 'study', '--frames', '180', '--every', '2', '--quiet');
+  rastro(folder, 'simulate', 'corridor', '--out', 'corridor', '--frames', '400', '--quiet');
 });
-after(() => rmSync(folder, { recursive: true, force: true }));
 
 interface Case {
   command: 'slam' | 'odometry';
@@ -43,13 +34,17 @@ const cases: Record<string, Case> = {
   lsd: { command: 'slam', world: 'hall', layers: ['trajectory:final', 'keyframes', 'points:semi_dense'] },
   hector: { command: 'slam', world: 'corridor', layers: ['trajectory:final', 'keyframes', 'points:scans', 'grid:grid'] },
   ekf: { command: 'slam', world: 'corridor', layers: ['trajectory:final', 'keyframes', 'points:landmarks', 'grid:grid'] },
+  fusion: { command: 'slam', world: 'study', layers: ['trajectory:final', 'keyframes', 'points:landmarks'] },
   features: { command: 'odometry', world: 'hall', layers: ['trajectory:final', 'trajectory:online'] },
+  hybrid: { command: 'odometry', world: 'hall', layers: ['trajectory:final'] },
+  classic: { command: 'odometry', world: 'hall', layers: ['trajectory:final'] },
+  profiles: { command: 'odometry', world: 'hall', layers: ['trajectory:final'] },
 };
 
 for (const [method, { command, world, layers }] of Object.entries(cases)) {
   test(`the run of ${method} is shown: each layer, and its points where the map says`, { skip }, async () => {
-    rastro(command, world, '--method', method, '--out', `run_${method}`, '--quiet');
-    rastro('export', `run_${method}`, '--to', 'html', ...(command === 'slam' ? ['--points', '20000'] : []), '--out', `${method}.html`, '--quiet');
+    rastro(folder, command, world, '--method', method, '--out', `run_${method}`, '--quiet');
+    rastro(folder, 'export', `run_${method}`, '--to', 'html', ...(command === 'slam' ? ['--points', '20000'] : []), '--out', `${method}.html`, '--quiet');
     await withPage(inCurrentPage(`${folder}/${method}.html`, method), {}, async (page) => {
       await drawn(page);
       const picture = await screenshot(page, `method_${method}`);

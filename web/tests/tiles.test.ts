@@ -2,6 +2,7 @@
 // Layers of many points in tiles: which ones a view needs, that they are fetched then and drawn where they lie.
 import assert from 'node:assert/strict';
 import { afterEach, test } from 'node:test';
+import type { Page } from 'playwright-core';
 import * as THREE from 'three';
 import { parseScene } from '../src/scene/parse';
 import { SceneError, type PointsLayer, type TileIndex } from '../src/scene/scene';
@@ -9,7 +10,7 @@ import { childrenOf, chooseTiles, viewOf } from '../src/view3d/tile_choice';
 import { readTile } from '../src/view3d/tile_loader';
 import { drawn, faultsOf, open } from './browser';
 import { damaged } from './damage';
-import { until } from './live_testing';
+import { until, wait } from './live_testing';
 import { near, pixelAt, sharedBrowser, useBrowser } from './page_testing';
 import { SceneWriter, random } from './scene_writer';
 import { serve } from './serve';
@@ -72,6 +73,18 @@ function scene(): Uint8Array {
   return w.finish({ title: 'tiles', up: [0, 1, 0], layers: [{ kind: 'points', name: 'cloud', ...root, tiles }] });
 }
 
+async function lookFrom(page: Page, eye: number[], target: number[]): Promise<void> {
+  await page.evaluate(([e, t]) => {
+    const { view } = (window as any).rastro.app;
+    view.controls.target.set(...(t as [number, number, number]));
+    view.camera.position.set(...(e as [number, number, number]));
+    view.controls.update();
+    view.requestDraw();
+  }, [eye, target]);
+  await until(async () => page.evaluate(() => (window as any).rastro.stats.pictures > 0), 'a picture');
+  await drawn(page);
+}
+
 test('tiles are fetched when the view comes near, drawn where they lie, and can be measured', async () => {
   const asked: number[] = [];
   const served = await serve([{ name: 'tiles', bytes: scene(), tile: (row) => (asked.push(row), tile(row)) }], 'abc');
@@ -79,17 +92,7 @@ test('tiles are fetched when the view comes near, drawn where they lie, and can 
   closing.push(() => page.close(), () => served.close());
   await drawn(page);
   assert.deepEqual(asked, [], 'from afar nothing is fetched');
-  const look = async (eye: number[], target: number[]) => {
-    await page.evaluate(([e, t]) => {
-      const { view } = (window as any).rastro.app;
-      view.controls.target.set(...(t as [number, number, number]));
-      view.camera.position.set(...(e as [number, number, number]));
-      view.controls.update();
-      view.requestDraw();
-    }, [eye, target]);
-    await until(async () => page.evaluate(() => (window as any).rastro.stats.pictures > 0), 'a picture');
-    await drawn(page);
-  };
+  const look = (eye: number[], target: number[]) => lookFrom(page, eye, target);
   await look([-4, -4, 6], [-4, -4, -4]);
   await until(async () => asked.length === 2, 'both tiles');
   await drawn(page);
@@ -106,6 +109,22 @@ test('tiles are fetched when the view comes near, drawn where they lie, and can 
   assert.deepEqual(asked, [1, 3, 2], 'each is fetched once');
   assert.match(await page.locator('[data-layer="points:cloud"]').innerText(), /4,022 points/);
   assert.deepEqual(faultsOf(page), []);
+});
+
+test('a tile that did not come is asked for again when the view moves later, one that cannot be read is not', async () => {
+  const asked: number[] = [];
+  const answer = (row: number) => (row === 3 ? Uint8Array.of(1, 2, 3) : asked.filter((each) => each === row).length > 1 ? tile(row) : null);
+  const served = await serve([{ name: 'tiles', bytes: scene(), tile: (row) => (asked.push(row), answer(row)) }], 'abc');
+  const page = await open(sharedBrowser(), `${served.url}?token=abc#size=7&layers=-reference&view=0,0,60,0,0,0`, {});
+  closing.push(() => page.close(), () => served.close());
+  await drawn(page);
+  await lookFrom(page, [-4, -4, 6], [-4, -4, -4]);
+  await lookFrom(page, [-4, -4, 6.1], [-4, -4, -4]);
+  assert.deepEqual(asked, [1, 3], 'not at once');
+  await wait(2100);
+  await lookFrom(page, [-4, -4, 6], [-4, -4, -4]);
+  assert.deepEqual(asked, [1, 3, 1]);
+  near(await pixelAt(page, [-4, -4, -4], 'tiles_came_later'), [255, 0, 0]);
 });
 
 test('a file that has an index of tiles shows its root', () => {

@@ -28,7 +28,7 @@ bool is_of_camera(const std::string& path) {
 
 }  // namespace
 
-NamedScene cloud_scene(const std::string& path, std::size_t most) {
+NamedScene cloud_scene(const std::string& path, std::size_t most, const TileProgress& tiling) {
   PointCloud cloud = read_cloud_ply(path);
   if (cloud.points.empty()) throw Error("has no points", path, "there is nothing to show");
   ViewScene scene;
@@ -38,7 +38,7 @@ NamedScene cloud_scene(const std::string& path, std::size_t most) {
   scene.planar = is_level(cloud);
   if (scene.planar || !is_of_camera(path)) scene.up = {0.0, 0.0, 1.0};
   scene.layers.emplace_back(scene_points(std::move(cloud), "cloud", most));
-  return in_tiles(std::move(scene));
+  return in_tiles(std::move(scene), tiling);
 }
 
 }  // namespace rastro::cli

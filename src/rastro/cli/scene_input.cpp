@@ -9,7 +9,6 @@
 #include "rastro/base/error.h"
 #include "rastro/cli/run_notes.h"
 #include "rastro/cli/scene_lengths.h"
-#include "rastro/viewer/point_tiles.h"
 #include "rastro/viewer/run_record.h"
 #include "rastro/viewer/scene_writer.h"
 
@@ -84,13 +83,13 @@ NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, T
 }
 
 NamedScene served_scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
-                           const MapProgress& progress, const std::string& objects) {
-  return in_tiles(whole_scene_of(input, options, pool, progress, objects));
+                           const MapProgress& progress, const TileProgress& tiling, const std::string& objects) {
+  return in_tiles(whole_scene_of(input, options, pool, progress, objects), tiling);
 }
 
-NamedScene in_tiles(ViewScene scene) {
+NamedScene in_tiles(ViewScene scene, const TileProgress& progress) {
   constexpr std::size_t most_at_once = 1'000'000;
-  auto tile_block = tile_large_layers(scene, most_at_once);
+  auto tile_block = tile_large_layers(scene, most_at_once, progress);
   NamedScene named{scene.title, scene_bytes(scene)};
   named.tile_block = std::move(tile_block);
   return named;

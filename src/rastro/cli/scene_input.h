@@ -9,6 +9,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/export_input.h"
 #include "rastro/viewer/build_scene.h"
+#include "rastro/viewer/point_tiles.h"
 #include "rastro/viewer/run_record.h"
 #include "rastro/viewer/scene.h"
 
@@ -22,8 +23,8 @@ NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, T
 
 /// The same for a server: points of layers with more than a million are fetched in tiles.
 NamedScene served_scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
-                           const MapProgress& progress, const std::string& objects = "");
-NamedScene in_tiles(ViewScene scene);
+                           const MapProgress& progress, const TileProgress& tiling, const std::string& objects = "");
+NamedScene in_tiles(ViewScene scene, const TileProgress& progress);
 
 /// The same as arrays, with the notes of the run (notes_of_run) given.
 ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,

@@ -49,7 +49,7 @@ TEST(CloudScene, ShowsThePointsOfAFile) {
       << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
          "0 0 0 255 0 0\n1 0 0 0 255 0\n0 0 2 0 0 255\n";
-  const NamedScene scene = cloud_scene(file.string(), 100);
+  const NamedScene scene = cloud_scene(file.string(), 100, {});
   EXPECT_EQ(scene.name, "wall");
   EXPECT_FALSE(scene.tile_block) << "three points need no tiles";
   const SceneBlock block(scene.bytes);

@@ -86,10 +86,14 @@ bool is_cloud(const std::string& path) {
   return std::filesystem::is_regular_file(path, ignored) && std::filesystem::path(path).extension() == ".ply";
 }
 
+TileProgress tiling_shown_in(ProgressBar& bar) {
+  return [&bar](std::size_t done, std::size_t all) { bar.show_steps("points in tiles", done, all); };
+}
+
 NamedScene shown(const ExportInput& input, const Flags& flags, const ViewSceneOptions& options, TaskPool& pool,
                  ProgressBar& bar) {
   const auto progress = [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); };
-  NamedScene scene = served_scene_of(input, options, pool, progress, flags.scene.objects);
+  NamedScene scene = served_scene_of(input, options, pool, progress, tiling_shown_in(bar), flags.scene.objects);
   scene.measure = measuring_in(input, flags.threads);
   return scene;
 }
@@ -108,7 +112,7 @@ std::vector<NamedScene> read_scenes(const Flags& flags) {
     } else if (is_track_run(input)) {
       scenes.push_back(track_scene(input));
     } else if (is_cloud(input)) {
-      scenes.push_back(cloud_scene(input, options.max_points));
+      scenes.push_back(cloud_scene(input, options.max_points, tiling_shown_in(bar)));
     } else {
       scenes.push_back(recording_scene(input));
     }

@@ -36,7 +36,7 @@ TEST(WatchedInput, TellsOnceInEventsAndAsJson) {
   EXPECT_EQ(json[0]["text"], input.warnings().front().text);
   const std::string events = read_text_file((path / "events.jsonl").string());
   EXPECT_THAT(events, HasSubstr(R"("frame":5,"event":"input_warning","text":"laser_stuck: )"));
-  EXPECT_TRUE(json_of({}).is_array());
+  EXPECT_TRUE(json_of(InputWarnings{}).is_array());
 }
 
 }  // namespace

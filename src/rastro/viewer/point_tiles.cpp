@@ -66,8 +66,9 @@ class TakenCells {
 /// Orders the points tile by tile.
 class TileBuilder {
  public:
-  TileBuilder(std::span<const float> positions, SceneTiles& index, std::vector<std::size_t>& begins)
-      : positions_(positions), index_(index), begins_(begins) {}
+  TileBuilder(std::span<const float> positions, SceneTiles& index, std::vector<std::size_t>& begins,
+              const TileProgress& progress)
+      : positions_(positions), index_(index), begins_(begins), progress_(progress) {}
 
   /// Indices of the points, each tile's in ascending order, the tiles one after the other.
   std::vector<std::uint32_t> order() {
@@ -141,6 +142,8 @@ class TileBuilder {
     index_.parents.push_back(part.parent);
     index_.counts.push_back(static_cast<std::uint32_t>(kept));
     begins_.push_back(part.begin);
+    placed_ += kept;
+    if (progress_) progress_(placed_, order_.size());
   }
 
   /// Brings the points that the tile keeps to the begin of the part; returns how many.
@@ -215,6 +218,8 @@ class TileBuilder {
   std::span<const float> positions_;
   SceneTiles& index_;
   std::vector<std::size_t>& begins_;
+  const TileProgress& progress_;
+  std::size_t placed_ = 0;
   std::vector<std::uint32_t> order_, buffer_;
   std::vector<Part> waiting_;
 };
@@ -239,11 +244,11 @@ std::vector<Number> rows_of(const std::vector<Number>& numbers, std::size_t colu
 
 }  // namespace
 
-PointTiles::PointTiles(ScenePoints points) : points_(std::move(points)) {
+PointTiles::PointTiles(ScenePoints points, const TileProgress& progress) : points_(std::move(points)) {
   RASTRO_CHECK(points_.positions.size() % axes == 0, "whole points");
   RASTRO_CHECK(points_.positions.size() / axes < std::numeric_limits<std::uint32_t>::max(),
                "points have 32-bit numbers");
-  const std::vector<std::uint32_t> order = TileBuilder(points_.positions, index_, begins_).order();
+  const std::vector<std::uint32_t> order = TileBuilder(points_.positions, index_, begins_, progress).order();
   index_.count = order.size();
   reorder(points_.positions, axes, order);
   reorder(points_.colors, 3, order);
@@ -273,13 +278,13 @@ std::optional<std::string> PointTiles::block(std::uint64_t row) const {
   return detail::block_of(header, body);
 }
 
-std::function<std::optional<std::string>(std::uint64_t, std::uint64_t)> tile_large_layers(ViewScene& scene,
-                                                                                          std::size_t most) {
+std::function<std::optional<std::string>(std::uint64_t, std::uint64_t)> tile_large_layers(
+    ViewScene& scene, std::size_t most, const TileProgress& progress) {
   std::vector<std::shared_ptr<const PointTiles>> tiled;
   for (SceneLayer& layer : scene.layers) {
     auto* points = std::get_if<ScenePoints>(&layer);
     if (points == nullptr || points->positions.size() / axes <= most) continue;
-    const auto tiles = std::make_shared<const PointTiles>(std::move(*points));
+    const auto tiles = std::make_shared<const PointTiles>(std::move(*points), progress);
     *points = tiles->tile(0);
     points->tiles = tiles->index();
     points->tiles->layer = static_cast<std::uint32_t>(tiled.size());

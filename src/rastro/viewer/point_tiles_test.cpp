@@ -34,7 +34,13 @@ ScenePoints room(std::size_t count) {
 TEST(PointTiles, EveryPointIsInOneTileAndInsideItsCube) {
   constexpr std::size_t count = 400'000;
   const ScenePoints all = room(count);
-  const PointTiles tiles(all);
+  std::size_t done = 0;
+  const PointTiles tiles(all, [&](std::size_t placed, std::size_t of) {
+    EXPECT_GT(placed, done);
+    EXPECT_EQ(of, count);
+    done = placed;
+  });
+  EXPECT_EQ(done, count);
   const SceneTiles& index = tiles.index();
   ASSERT_GT(index.counts.size(), 10U);
   EXPECT_EQ(index.count, count);

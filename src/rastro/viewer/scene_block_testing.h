@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// A block of scene_bytes(), read as the page reads it.
+/// A block of scene_bytes(), read as the page reads it; keeps a copy.
 class SceneBlock {
  public:
   using Json = nlohmann::json;
@@ -55,7 +55,7 @@ class SceneBlock {
   static const char* type_of(std::uint8_t) { return "u8"; }
   static const char* type_of(std::uint32_t) { return "u32"; }
   static const char* type_of(std::int32_t) { return "i32"; }
-  std::string_view body_;
+  std::string body_;
 };
 
 }  // namespace rastro

@@ -5,6 +5,8 @@ import { readBlock } from '../scene/parse';
 import { SceneError, type PointsLayer, type TileIndex } from '../scene/scene';
 
 const mostAtOnce = 4;
+/** A server that was away may be back when the view moves again. */
+const againAfterMs = 2000;
 
 export type TilePoints = Omit<PointsLayer, 'kind' | 'name' | 'tiles'>;
 
@@ -18,8 +20,8 @@ export function readTile(bytes: Uint8Array, points: number, keyframes: number): 
 }
 
 export class TileLoader {
-  /** Not asked for again: the server has gone, or what it sends cannot be read. */
-  private readonly failed = new Set<number>();
+  /** From when on a tile that did not come may be asked for again (Date.now()); never, where what came cannot be read. */
+  private readonly notBefore = new Map<number, number>();
   private readonly loading = new Set<number>();
   private wanted: number[] = [];
 
@@ -31,7 +33,8 @@ export class TileLoader {
 
   /** What is still missing; takes the place of what was wanted before. */
   want(rows: number[]): void {
-    this.wanted = rows.filter((row) => !this.failed.has(row) && !this.loading.has(row));
+    const now = Date.now();
+    this.wanted = rows.filter((row) => !this.loading.has(row) && now >= (this.notBefore.get(row) ?? 0));
     this.fill();
   }
 
@@ -52,10 +55,11 @@ export class TileLoader {
       if (response.ok) tile = readTile(new Uint8Array(await response.arrayBuffer()), this.index.counts[row], this.keyframes);
     } catch (error) {
       if (!(error instanceof SceneError || error instanceof TypeError)) console.error(error);
+      if (error instanceof SceneError) this.notBefore.set(row, Infinity);
     }
     this.loading.delete(row);
     if (tile) this.arrived(row, tile);
-    else this.failed.add(row);
+    else this.notBefore.set(row, Math.max(this.notBefore.get(row) ?? 0, Date.now() + againAfterMs));
     this.fill();
     this.settled();
   }

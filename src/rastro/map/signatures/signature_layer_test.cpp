@@ -56,7 +56,7 @@ TEST(Signature, EveryShorterBodyIsDamage) {
 }
 
 TEST(SignatureLayer, OfAGrowingFileIsReadBeforeAndAfterItIsFinished) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "signatures.rastro";
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "signatures.rastro";
   GrowingMapFile growing(file);
   const Signature signature = all_layers::some_signature(0);
   growing.add_row(SignatureLayer::layer_name, 0, body_of(signature));

@@ -19,6 +19,7 @@
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
 #include "rastro/odometry/rgbd_tracking/landmark_finder.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
+#include "rastro/odometry/rgbd_tracking/pose_judge.h"
 #include "rastro/odometry/rgbd_tracking/pose_solver.h"
 #include "rastro/odometry/rgbd_tracking/surface_matcher.h"
 
@@ -26,9 +27,6 @@ namespace rastro {
 namespace {
 
 constexpr int most_missed = 20;
-// Of the image with features, the part that must fit, and the part above which the features alone say how certain they
-// are.
-constexpr double least_fit = 1.0 / 3.0, most_fit = 0.5;
 // Where fewer of the features agree, there are several motions, and that of most of the image is the camera's.
 constexpr double agreeing_share = 0.7;
 constexpr int solver_iterations = 6;
@@ -44,35 +42,10 @@ constexpr double close_reach_m = 0.01;
 constexpr int moving_frames = 10;
 // A feature further off than this is not there by an error of calibration or by blur: it moves.
 constexpr double moving_px = 10.0;
-constexpr int least_compared = 1500;  // blocks
-// Meters and radians: a pose less certain is lost.
-constexpr double lost_sigma = 0.2;
 constexpr double lost_variance = 1.0;
 // Share of the last motion, per frame.
 constexpr double lost_damping = 0.5;
 constexpr int corners_to_find = 600;
-// Inflation of the covariance: errors of neighbors are correlated, and a map has a common error; the model has
-// neither.
-constexpr double covariance_factor = 4.0;
-
-/// Share of the features or of the image that fits, whichever is smaller.
-double certain_share(const RgbdFollow& result) {
-  return std::min(static_cast<double>(result.inliers) / std::max(1, result.points), result.inlier_share);
-}
-
-/// Variance factor of a pose that most features or most of the image contradict: something large moves, and the pose
-/// may follow it.
-double contradiction(const RgbdFollow& result, int min_points) {
-  if (result.points < min_points) return 1.0;
-  constexpr double enough = 0.4, least = 0.1;
-  return std::pow(enough / std::clamp(certain_share(result), least, enough), 3);
-}
-
-double largest_sigma(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()(5)));
-}
-
 }  // namespace
 
 class RgbdFollower::State {
@@ -82,7 +55,8 @@ class RgbdFollower::State {
         camera_(camera),
         check_(options_.frame_check),
         tracker_(options_, camera_, pool),
-        surfaces_(options_) {}
+        surfaces_(options_),
+        judge_(options_, camera_.fx) {}
 
   RgbdFollow follow(const Frame& frame);
   void restart(const SE3& world_from_camera);
@@ -105,10 +79,6 @@ class RgbdFollower::State {
   double leave_out_moving(const SE3& pose);
   std::vector<std::uint8_t> fitting(const SE3& pose, double within_px) const;
   double keep_inliers(const SE3& pose);
-  bool features_fit(const RgbdFollow& result) const;
-  double unshared_error(const PoseSolution& solution) const;
-  double excess_variance(const SE3& pose, bool drifts) const;
-  bool judge(const PoseSolution& solution, const SurfaceMatch& match, double excess, RgbdFollow& result) const;
   std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
   SE3 depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
   std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
@@ -127,6 +97,7 @@ class RgbdFollower::State {
   FrameCheck check_;
   FeatureTracker tracker_;
   SurfaceMatcher surfaces_;
+  PoseJudge judge_;
   LandmarkFinder landmark_finder_;
   PointMap map_;
   bool has_pose_ = false;
@@ -271,7 +242,7 @@ std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>&
     pose = estimate_absolute_pose(points, rays, options, guess.inverse(), weights);
   result.inliers = pose ? pose->inliers : 0;
   result.inlier_share = pose ? weighted_share(weights, pose->is_inlier) : 0.0;
-  if (!features_fit(result)) return std::nullopt;
+  if (!judge_.features_fit(result)) return std::nullopt;
   return pose->camera_from_world.inverse();
 }
 
@@ -306,8 +277,7 @@ std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, c
     if (!step.allFinite() || step.norm() > coarse_reach_m) return std::nullopt;
     pose = pose * SE3::exp(step);
   }
-  if (match.compared * coarse_step * coarse_step < least_compared || 2 * match.fitting < match.compared)
-    return std::nullopt;
+  if (!match.fits()) return std::nullopt;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(last.information, Eigen::EigenvaluesOnly);
   if (eigen.eigenvalues()(0) < 1.0 / (options_.weak_sigma * options_.weak_sigma)) return std::nullopt;
   return pose;
@@ -335,12 +305,10 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   SurfaceMatch match;
   surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, reach_m, coarse_step, &match);
   result.points = static_cast<int>(measured_.size());
-  const SE3 by_points = solution.by_points_alone();
-  const double excess = excess_variance(by_points, true);
-  const double contradicted = excess_variance(solution.world_from_camera, false);
-  result.inlier_share = keep_inliers(by_points);
+  const PoseJudge::ExcessVariance excess = judge_.excess_variance(measured_, solution);
+  result.inlier_share = keep_inliers(solution.by_points_alone());
   result.inliers = static_cast<int>(found_.size());
-  if (!judge(solution, match, certain_share(result) >= most_fit ? excess : contradicted, result)) return false;
+  if (!judge_.judge(solution, match, map_.references.back(), excess, result)) return false;
   note_pose(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
@@ -397,67 +365,6 @@ double RgbdFollower::State::keep_inliers(const SE3& pose) {
   found_.resize(kept);
   measured_.resize(kept);
   return weighted_share(weights, fits);
-}
-
-bool RgbdFollower::State::features_fit(const RgbdFollow& result) const {
-  return result.inliers >= options_.min_points && result.inlier_share >= least_fit;
-}
-
-/// Whether features or surfaces determine the pose, and how certain it is.
-bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch& match, double excess,
-                                RgbdFollow& result) const {
-  const bool surfaces_fit =
-      match.compared * coarse_step * coarse_step >= least_compared && 2 * match.fitting >= match.compared;
-  if (!features_fit(result) && !surfaces_fit) return false;
-  const Matrix6d information = solution.shared_points.information + solution.others.information;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
-  if (sigma > lost_sigma) return false;
-  result.covariance = covariance_factor * excess * contradiction(result, options_.min_points) *
-                      solution.information_of_motion(unshared_error(solution)).inverse();
-  result.world_from_camera = solution.world_from_camera;
-  result.surface_points = match.fitting * coarse_step * coarse_step;
-  const Vector6d texture = solution.shared_points.information.diagonal();
-  result.texture_share = (texture.array() / information.diagonal().array()).mean();
-  result.state = OdometryState::tracking;
-  const double moved_sigma = largest_sigma(result.covariance);
-  if (sigma > options_.weak_sigma || !features_fit(result)) {
-    result.reason = OdometryReason::too_few_points;
-    result.detail = fmt::format("{} features, {} matching blocks of surface; standard deviation {:.3f} m or rad",
-                                result.inliers, result.surface_points, std::max(sigma, moved_sigma));
-  } else if (moved_sigma > options_.weak_sigma) {
-    result.reason = OdometryReason::few_inliers;
-    result.detail =
-        fmt::format("features disagree, errors {:.0f} times their noise; standard deviation {:.3f} m or rad",
-                    std::sqrt(excess), moved_sigma);
-  }
-  if (std::max(sigma, moved_sigma) > options_.weak_sigma) result.state = OdometryState::weak;
-  return true;
-}
-
-/// Share of the common error that the newest reference does not have: it moves with the camera, and the same rays and
-/// depths have the same error.
-double RgbdFollower::State::unshared_error(const PoseSolution& solution) const {
-  constexpr double least = 0.1;
-  const Reference& reference = map_.references.back();
-  const SE3 motion = reference.world_from_camera.inverse() * solution.world_from_camera;
-  return std::clamp(motion.rotation().log().norm() + motion.translation().norm() / reference.median_depth, least, 1.0);
-}
-
-/// How much larger the features' squared errors are than their noise: by motion blur, a rolling shutter, surfaces that
-/// say otherwise, or people. 1 where there are too few to say. `drifts`: with the larger noise of points tracked by
-/// optical flow alone; where most contradict the pose, their drift is no excuse.
-double RgbdFollower::State::excess_variance(const SE3& pose, bool drifts) const {
-  constexpr double median_of_noise = 1.386;  // of chi squared with two degrees of freedom
-  if (static_cast<int>(measured_.size()) < options_.min_points) return 1.0;
-  const SE3 camera_from_world = pose.inverse();
-  std::vector<double> squares;
-  for (const PointMeasurement& point : measured_) {
-    const Eigen::Vector3d p = camera_from_world * point.in_world;
-    const double sigma = drifts ? point.ray_sigma : options_.pixel_sigma / camera_.fx;
-    squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (sigma * sigma));
-  }
-  return std::max(1.0, upper_median(std::move(squares)) / median_of_noise);
 }
 
 std::vector<PointMeasurement> RgbdFollower::State::measurements(const std::vector<FoundPoint>& found) const {

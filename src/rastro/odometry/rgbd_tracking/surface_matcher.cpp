@@ -81,8 +81,8 @@ PoseQuadratic SurfaceMatcher::compare(const PointMap& map, const SE3& pose, cons
     sum.information += weight * fit.information;
     sum.gradient += weight * fit.gradient;
     if (!match) continue;
-    match->compared += fit.compared;
-    match->fitting += fit.fitting;
+    match->compared += step * step * fit.compared;
+    match->fitting += step * step * fit.fitting;
   }
   return sum;
 }

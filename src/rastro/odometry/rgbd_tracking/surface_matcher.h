@@ -15,8 +15,12 @@ namespace rastro {
 
 /// How well a frame's surfaces match those of the reference frames.
 struct SurfaceMatch {
-  int compared = 0;  ///< Blocks of depth that project onto a surface.
+  int compared = 0;  ///< Blocks of depth that project onto a surface; a coarse search counts for those it skips.
   int fitting = 0;   ///< Of these, within the noise.
+
+  /// Enough for surfaces alone to determine a pose.
+  bool fits() const { return compared >= least_compared && 2 * fitting >= compared; }
+  static constexpr int least_compared = 1500;
 };
 
 /// Aligns the surfaces of frames with those of a map's reference frames.
