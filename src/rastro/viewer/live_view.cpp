@@ -45,7 +45,7 @@ bool LiveView::wants_image() const {
 }
 
 bool LiveView::wants_map(double milliseconds) const {
-  constexpr double least_seconds = 1.0, most_share = 0.02, most_share_of_thread = 0.1;
+  constexpr double least_seconds = 1.0, most_share = 0.02, most_share_of_thread = 0.05;
   if (!is_watched()) return false;
   const std::lock_guard lock(mutex_);
   const std::chrono::duration<double> since = Clock::now() - map_.last;
