@@ -450,6 +450,9 @@ compare() {
   run 0 compare "${words[@]}"
   said '2 of 2 runs have results'
   refused "did you mean 'features'" compare "$hall" --methods featurs --out "$out"
+  run 0 simulate corridor --frames 5 --out "$out/corridor"
+  refused 'allows none of the methods' compare "$out/corridor" --paper --out "$out/paper"
+  refused 'allows none of the methods' compare "$out/corridor" --methods lsd --out "$out/lsd"
   refused "did you mean 'hall'" compare hal --methods all --out "$out"
 }
 

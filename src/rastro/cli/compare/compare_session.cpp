@@ -2,6 +2,7 @@
 #include "rastro/cli/compare/compare_session.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <utility>
 
@@ -72,6 +73,11 @@ void CompareSession::plan_all_methods() {
     offered_.push_back(offers.possible);
     plan_methods(input, k, offers.possible, task_.repeats, plan_);
   }
+  if (std::any_of(offered_.begin(), offered_.end(), [](const auto& offers) { return !offers.empty(); })) return;
+  throw Error(
+      refused_.empty() ? "allows none of the methods" : "allows none of the methods (" + refused_.front() + ")",
+      task_.inputs.front().name,
+      task_.paper ? "give a recording of a camera, or --methods all" : "give --methods all to see what it allows");
 }
 
 void CompareSession::plan_listed() {

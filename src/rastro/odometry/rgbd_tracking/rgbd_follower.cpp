@@ -14,6 +14,7 @@
 #include "rastro/math/median.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/odometry/frame_check.h"
+#include "rastro/odometry/rgbd_tracking/camera_motion.h"
 #include "rastro/odometry/rgbd_tracking/coverage.h"
 #include "rastro/odometry/rgbd_tracking/depth_delay.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
@@ -61,7 +62,7 @@ class RgbdFollower::State {
   RgbdFollow follow(const Frame& frame);
   void restart(const SE3& world_from_camera);
   void move(const SE3& new_world_from_world);
-  const SE3& world_from_camera() const { return pose_; }
+  const SE3& world_from_camera() const { return motion_.pose(); }
   std::vector<SE3> reference_poses() const;
   const std::vector<FollowedFeature>& features() const { return features_; }
 
@@ -88,9 +89,6 @@ class RgbdFollower::State {
   bool is_reference(const SE3& pose, int inliers) const;
   void add_reference(const Frame& frame, const SE3& pose);
   double add_points(const Frame& frame, int number);
-  SE3 predicted(TimeNs stamp) const;
-  Vector6d velocity_to(TimeNs stamp, const SE3& pose) const;
-  void note_pose(TimeNs stamp, const SE3& pose);
 
   RgbdOptions options_;
   Camera camera_;
@@ -100,11 +98,8 @@ class RgbdFollower::State {
   PoseJudge judge_;
   LandmarkFinder landmark_finder_;
   PointMap map_;
-  bool has_pose_ = false;
-  SE3 pose_;                              ///< world_from_camera of the last frame.
-  TimeNs stamp_ = 0;                      ///< Of the last frame.
-  Vector6d velocity_ = Vector6d::Zero();  ///< Per second, in the camera.
-  SE3 camera_from_depth_;                 ///< Between the color and the depth of the last frame.
+  CameraMotion motion_;
+  SE3 camera_from_depth_;  ///< Between the color and the depth of the last frame.
   DepthDelay depth_delay_;
   int reference_inliers_ = 0;  ///< Inliers of the newest reference.
   std::int64_t followed_ = 0;
@@ -119,7 +114,7 @@ RgbdFollow RgbdFollower::State::follow(const Frame& frame) {
   RgbdFollow result;
   ++followed_;
   features_.clear();
-  result.world_from_camera = pose_;
+  result.world_from_camera = motion_.pose();
   result.state = map_is_empty() ? OdometryState::initializing : OdometryState::weak;
   const FrameCheckResult image_check = check_.check(frame.image.view(), frame.stamp);
   if (image_check.reason != OdometryReason::repeated_frame && !frame.image.empty()) {
@@ -147,12 +142,11 @@ void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
     result.detail = "has no depth";
     return;
   }
-  velocity_.setZero();
-  has_pose_ = false;
-  note_pose(frame.stamp, pose_);
+  motion_.restart(motion_.pose());
+  motion_.note(frame.stamp, motion_.pose());
   found_.clear();
   measured_.clear();
-  add_reference(frame, pose_);
+  add_reference(frame, motion_.pose());
   result.state = OdometryState::tracking;
   result.points = result.inliers = reference_inliers_;
   result.inlier_share = 1.0;
@@ -160,16 +154,16 @@ void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
 }
 
 void RgbdFollower::State::follow_map(const Frame& frame, bool image_useful, RgbdFollow& result) {
-  const SE3 guess = predicted(frame.stamp);
+  const SE3 guess = motion_.predicted(frame.stamp);
   if (!find_pose(frame, guess, image_useful, result)) {
     result.state = OdometryState::lost;
     result.reason = result.points < options_.min_points ? OdometryReason::too_few_points : OdometryReason::few_inliers;
     result.detail = fmt::format("{} of {} points are inliers", result.inliers, result.points);
     result.world_from_camera = guess;
     result.covariance = lost_variance * Matrix6d::Identity();
-    note_pose(frame.stamp, guess);
+    motion_.note(frame.stamp, guess);
     for (FollowedFeature& feature : features_) feature.state = FollowedFeature::State::matched;
-    velocity_ *= lost_damping;
+    motion_.slow_down(lost_damping);
     for (MapPoint& point : map_.points) point.tracked = false;
     return;
   }
@@ -178,24 +172,6 @@ void RgbdFollower::State::follow_map(const Frame& frame, bool image_useful, Rgbd
     result.new_reference = true;
   }
   map_.forget(options_.map_references, most_missed);  // indices into the points end here
-}
-
-SE3 RgbdFollower::State::predicted(TimeNs stamp) const {
-  return pose_ * SE3::exp(velocity_ * to_seconds(stamp - stamp_));
-}
-
-void RgbdFollower::State::note_pose(TimeNs stamp, const SE3& pose) {
-  const double seconds = to_seconds(stamp - stamp_);
-  if (has_pose_ && seconds > 0.0) velocity_ = (pose_.inverse() * pose).log() / seconds;
-  pose_ = pose;
-  stamp_ = stamp;
-  has_pose_ = true;
-}
-
-Vector6d RgbdFollower::State::velocity_to(TimeNs stamp, const SE3& pose) const {
-  const double seconds = to_seconds(stamp - stamp_);
-  if (!has_pose_ || seconds <= 0.0) return Vector6d::Zero();
-  return (pose_.inverse() * pose).log() / seconds;
 }
 
 SE3 RgbdFollower::State::depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s) const {
@@ -217,7 +193,7 @@ std::optional<DepthReading> RgbdFollower::State::read(const Frame& frame, const 
 /// color during a rotation shows the delay.
 void RgbdFollower::State::learn_delay(const SE3& pose) {
   DelayedQuadratic frame = points_with_delay(measured_, pose);
-  frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, velocity_, fine_reach_m, coarse_step);
+  frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, motion_.velocity(), fine_reach_m, coarse_step);
   const auto [information, gradient] = delay_alone(frame);
   map_.delay_depths(depth_delay_.learn(information, gradient));
 }
@@ -265,7 +241,7 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
 
 std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, const SE3& guess) {
   SE3 pose = guess;
-  const SE3 camera_from_depth = depth_from_color(frame, velocity_to(frame.stamp, guess)).inverse();
+  const SE3 camera_from_depth = depth_from_color(frame, motion_.velocity_to(frame.stamp, guess)).inverse();
   surfaces_.choose(map_, pose, camera_from_depth);
   SurfaceMatch match;
   PoseQuadratic last;
@@ -294,7 +270,7 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   if (image_useful) found_ = tracker_.recognize(map_, *first, carried);
   measured_ = measurements(found_);
   // Depth readings depend on the pose at which the depth was taken, which is known now.
-  const Vector6d velocity = velocity_to(frame.stamp, *first);
+  const Vector6d velocity = motion_.velocity_to(frame.stamp, *first);
   const SE3 camera_from_depth = depth_from_color(frame, velocity).inverse();
   read_depths(frame, velocity);
   const double reach_m = leave_out_moving(*first);
@@ -309,7 +285,7 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   result.inlier_share = keep_inliers(solution.by_points_alone());
   result.inliers = static_cast<int>(found_.size());
   if (!judge_.judge(solution, match, map_.references.back(), excess, result)) return false;
-  note_pose(frame.stamp, solution.world_from_camera);
+  motion_.note(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
   learn_depths(found_, measured_, solution.world_from_camera);
@@ -417,7 +393,7 @@ void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose) {
   Reference reference;
   reference.stamp = frame.stamp;
   reference.world_from_camera = pose;
-  surfaces_.keep(reference, camera_from_depth_, velocity_);
+  surfaces_.keep(reference, camera_from_depth_, motion_.velocity());
   map_.references.push_back(std::move(reference));
   map_.references.back().median_depth = add_points(frame, number);
 }
@@ -435,7 +411,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
   for (std::size_t i = 0; i < corners.size() && added < wanted; ++i) {
     if (moving_.at(static_cast<int>(corners[i].x()), static_cast<int>(corners[i].y()))) continue;
     const auto ray = camera_.unproject(corners[i].cast<double>());
-    const auto reading = ray ? read(frame, *ray, velocity_) : std::nullopt;
+    const auto reading = ray ? read(frame, *ray, motion_.velocity()) : std::nullopt;
     if (!reading) continue;
     MapPoint point;
     point.anchor = number;
@@ -458,9 +434,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
 void RgbdFollower::State::restart(const SE3& world_from_camera) {
   map_.first_live = static_cast<int>(map_.references.size());
   map_.points.clear();
-  pose_ = world_from_camera;
-  velocity_.setZero();
-  has_pose_ = false;
+  motion_.restart(world_from_camera);
   found_.clear();
   measured_.clear();
   moving_ = {};
@@ -469,7 +443,7 @@ void RgbdFollower::State::restart(const SE3& world_from_camera) {
 void RgbdFollower::State::move(const SE3& new_world_from_world) {
   for (Reference& reference : map_.references)
     reference.world_from_camera = new_world_from_world * reference.world_from_camera;
-  pose_ = new_world_from_world * pose_;
+  motion_.move(new_world_from_world);
 }
 
 std::vector<SE3> RgbdFollower::State::reference_poses() const {
