@@ -25,10 +25,12 @@ interface Case {
   world: string;
   /** Layers that the map of this method must have. */
   layers: string[];
+  /** Further flags of the export. */
+  flags?: string[];
 }
 
 const cases: Record<string, Case> = {
-  rgbd: { command: 'slam', world: 'study', layers: ['trajectory:final', 'keyframes', 'points:cloud', 'edges:odometry'] },
+  rgbd: { command: 'slam', world: 'study', layers: ['trajectory:final', 'keyframes', 'points:cloud', 'edges:odometry', 'mesh:mesh', 'cubes:octree'], flags: ['--mesh', '--octree'] },
   rtabmap: { command: 'slam', world: 'study', layers: ['trajectory:final', 'keyframes', 'points:cloud'] },
   orb: { command: 'slam', world: 'hall', layers: ['trajectory:final', 'keyframes', 'points:landmarks', 'edges:covisibility', 'edges:spanning_tree', 'ellipsoids:landmark_covariances'] },
   lsd: { command: 'slam', world: 'hall', layers: ['trajectory:final', 'keyframes', 'points:semi_dense'] },
@@ -41,10 +43,10 @@ const cases: Record<string, Case> = {
   profiles: { command: 'odometry', world: 'hall', layers: ['trajectory:final'] },
 };
 
-for (const [method, { command, world, layers }] of Object.entries(cases)) {
+for (const [method, { command, world, layers, flags }] of Object.entries(cases)) {
   test(`the run of ${method} is shown: each layer, and its points where the map says`, { skip }, async () => {
     rastro(folder, command, world, '--method', method, '--out', `run_${method}`, '--quiet');
-    rastro(folder, 'export', `run_${method}`, '--to', 'html', ...(command === 'slam' ? ['--points', '20000'] : []), '--out', `${method}.html`, '--quiet');
+    rastro(folder, 'export', `run_${method}`, '--to', 'html', ...(command === 'slam' ? ['--points', '20000'] : []), ...(flags ?? []), '--out', `${method}.html`, '--quiet');
     await withPage(inCurrentPage(`${folder}/${method}.html`, method), {}, async (page) => {
       await drawn(page);
       const picture = await screenshot(page, `method_${method}`);
