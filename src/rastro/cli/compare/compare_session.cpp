@@ -55,7 +55,7 @@ CompareSession::CompareSession(CompareTask task, BenchmarkSetup setup, Benchmark
 }
 
 std::string CompareSession::look_at(CompareInput& input) {
-  const std::string path = recording_of(input);
+  std::string path = recording_of(input);
   input.facts =
       facts_of_recording(path, open_options_of(path, input.is_world() ? std::vector<std::string>() : input.flags));
   recordings_.push_back(path);

@@ -228,9 +228,9 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
                                                    std::vector<FoundPoint>& carried, RgbdFollow& result) {
   if (image_useful) {
     carried = tracker_.carry_on(map_, guess);
-    if (const auto pose = pose_from(carried, coverage_weights(carried, camera_), guess, result)) return pose;
+    if (auto pose = pose_from(carried, coverage_weights(carried, camera_), guess, result)) return pose;
   }
-  if (const auto pose = pose_from_surfaces(frame, guess)) return pose;
+  if (auto pose = pose_from_surfaces(frame, guess)) return pose;
   if (!image_useful) return std::nullopt;
   carried.clear();
   const std::vector<FoundPoint> anywhere =
