@@ -2,8 +2,8 @@
 #include "rastro/cli/compare/compare_session.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 
+#include <algorithm>
 #include <utility>
 
 #include "rastro/base/error.h"
