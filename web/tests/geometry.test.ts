@@ -86,6 +86,13 @@ test('what is seen between the points of a surface is not picked', () => {
   assert.equal(pick([candidates([...surface, 0, 0, 0])], view, 100, 50, 10)!.point[2], 5);
 });
 
+test('beside the end of a surface its own points are picked, not what is nearer on the screen behind it', () => {
+  const surface = Array.from({ length: 81 }, (_, i) => [0.02 * (i % 9) - 0.2, 0.02 * (Math.floor(i / 9) - 4), 5]).flat();
+  assert.equal(pick([candidates([...surface, 0, 0, 0])], view, 100, 50, 10)!.point[2], 5);
+  const alone = { ...candidates([...surface, 0, 0, 0]), surface: false };
+  assert.equal(pick([alone], view, 100, 50, 10)!.point[2], 0, 'points that stand alone hide nothing beside them');
+});
+
 test('hidden points and points that are not numbers are not picked', () => {
   assert.equal(pick([candidates([0, 0, 0], 0.1, [0.2])], view, 100, 50, 10), null);
   assert.equal(pick([candidates([NaN, 0, 0])], view, 100, 50, 10), null);

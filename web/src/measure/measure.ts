@@ -120,9 +120,7 @@ export class Measure {
 
   private click(x: number, y: number, radius: number): void {
     const { matrix, width, height } = this.app.view.projection();
-    // An edge ends in front of something else: its own side is meant, however near the other one is.
-    const front = this.kind === 'edge' ? radius : undefined;
-    const picked = pick(shownCandidates(this.app), { matrix: matrix.elements, width, height }, x, y, radius, front);
+    const picked = pick(shownCandidates(this.app), { matrix: matrix.elements, width, height }, x, y, radius);
     if (!picked) return this.changed('There is no point near the click. Click on a point, or zoom in.');
     const found = featureAt(this.kind, picked, this.around(picked));
     if (!found) return this.changed(this.kind === 'edge' ? 'The points around the click end in no straight edge. Zoom in, or measure points.' : 'The points around the click lie on no flat face. Zoom in, or measure points.');

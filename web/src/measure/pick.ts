@@ -35,7 +35,8 @@ export interface Projection {
 
 /** Of points that are equally near within this many pixels, the one in front is meant. */
 const tiePixels = 1.5;
-/** Between the points of a surface one sees what lies behind it: with so many points this near the click, only what is about as far as they are is meant. */
+/** Between the points of a surface, and beside its end, one sees what lies behind it: with so many of its points around the click, only what is about
+    as far as they are is meant. Of points that stand alone, so many must be this near. */
 const frontPixels = 6;
 const frontCount = 3;
 const frontDepth = 1.04;
@@ -47,10 +48,10 @@ interface Near {
   row: number;
 }
 
-/** `front`: distance from the click within which points in front count; for an edge, which ends before something else, all of the radius. */
-export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number, front = frontPixels): Picked | null {
+/** Of the points within the radius, in pixels, around the click. */
+export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number): Picked | null {
   const near = candidates.flatMap((c) => within(c, view, x, y, radius));
-  const depths = near.filter((n) => n.distance <= front).map((n) => n.depth).sort((a, b) => a - b);
+  const depths = near.filter((n) => n.from.surface || n.distance <= frontPixels).map((n) => n.depth).sort((a, b) => a - b);
   const deepest = depths.length >= frontCount ? depths[frontCount - 1] * frontDepth : Infinity;
   const meant = near.filter((n) => n.depth <= deepest);
   const least = meant.reduce((d, n) => Math.min(d, n.distance), Infinity);
