@@ -229,7 +229,13 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
 }
 
 void add_loss_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"relocalize_every", &o.relocalize_every, "", "every n-th lost frame is relocalized", 1, 1000, {}});
+  table.add({"relocalize_every",
+             &o.relocalize_every,
+             "",
+             "every n-th lost frame is relocalized, of the first five each",
+             1,
+             1000,
+             {}});
   table.add(
       {"relocalize_last", &o.relocalize_last, "", "previous keyframes that a lost frame is matched with", 0, 1000, {}});
   table.add({"relocalize_random",

@@ -96,6 +96,7 @@ class RgbdSession {
   std::optional<Relocalizer::Found> find_in_map(const Frame& frame, SlamUpdate& update);
   bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool agrees_with_last(TimeNs stamp, const SE3& world_from_camera) const;
+  bool just_lost() const;
   bool continues_motion(const SE3& world_from_camera) const;
   void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,

@@ -56,7 +56,7 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
     return;
   }
   ++loss_.frames;
-  if (!loss_.unconfirmed.empty() || (loss_.frames - 1) % options_.relocalize_every == 0) {
+  if (!loss_.unconfirmed.empty() || just_lost() || (loss_.frames - 1) % options_.relocalize_every == 0) {
     const auto found = find_in_map(frame, update);
     if (found && confirm(frame, *found, update)) return on_relocalized(frame, *found, update);
     if (found) return;
@@ -114,10 +114,14 @@ bool RgbdSession::agrees_with_last(TimeNs stamp, const SE3& world_from_camera) c
   return moved.translation().norm() <= max_distance_m && moved.rotation().log().norm() <= max_angle_rad;
 }
 
-bool RgbdSession::continues_motion(const SE3& world_from_camera) const {
+bool RgbdSession::just_lost() const {
   constexpr int most_frames = 5;
+  return exists() && loss_.frames <= most_frames;
+}
+
+bool RgbdSession::continues_motion(const SE3& world_from_camera) const {
   constexpr double max_distance_m = 0.1, max_angle_rad = 0.1;  // per frame
-  if (!exists() || loss_.frames > most_frames) return false;
+  if (!just_lost()) return false;
   const SE3 moved = last_pose_.inverse() * world_from_camera;
   return moved.translation().norm() <= max_distance_m * loss_.frames &&
          moved.rotation().log().norm() <= max_angle_rad * loss_.frames;

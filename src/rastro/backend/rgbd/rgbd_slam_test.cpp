@@ -297,6 +297,23 @@ TEST(RgbdSlam, WhileLostTheMapIsSearchedInTheFirstFrameAndThenInEveryNth) {
   }
 }
 
+TEST(RgbdSlam, RightAfterALossEveryFrameIsRelocalized) {
+  const Views views = pan(-0.2, 0.02, 12);
+  SlamContext context;
+  context.map = run(views, quick()).snapshot;
+  RgbdSlamOptions options = quick();
+  options.relocalize_every = 1000;
+  for (const int elsewhere : {1, 2, 3, 4, 5}) {
+    RgbdSlam slam("rgbd", options, test_room::camera(), context);
+    std::int64_t index = 0;
+    for (int k = 0; k < 6; ++k) slam.process(frame_of(views[static_cast<std::size_t>(k)], index++));
+    for (int k = 0; k < elsewhere; ++k)
+      EXPECT_EQ(slam.process(frame_of(looking({-0.5, 0.01 * k, 1.2}, M_PI), index++)).state, SlamState::lost);
+    const SlamState back = slam.process(frame_of(views[5], index)).state;
+    EXPECT_EQ(back, elsewhere < 5 ? SlamState::relocalized : SlamState::lost) << "after " << elsewhere;
+  }
+}
+
 /// A frame that is found elsewhere in the map, or not at all, begins the count anew.
 TEST(RgbdSlam, ARelocalizationIsBelievedOnceEnoughFramesAgree) {
   const Views views = pan(-0.2, 0.04, 12);
