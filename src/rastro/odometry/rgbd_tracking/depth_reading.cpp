@@ -16,8 +16,7 @@ struct Plane {
 };
 
 /// The inverse depth of a plane is linear in the image.
-std::optional<Plane> plane_at(const DepthImage& depth, const Eigen::Vector2d& pixel, const RgbdOptions& options,
-                              double edge_sigmas) {
+std::optional<Plane> plane_at(const DepthImage& depth, const Eigen::Vector2d& pixel, const RgbdOptions& options) {
   const int cx = static_cast<int>(std::lround(pixel.x())), cy = static_cast<int>(std::lround(pixel.y()));
   if (cx < reach || cy < reach || cx + reach >= depth.width() || cy + reach >= depth.height()) return std::nullopt;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -39,9 +38,9 @@ std::optional<Plane> plane_at(const DepthImage& depth, const Eigen::Vector2d& pi
   const Eigen::Vector3d plane = normal.inverse() * right;
   const double rms = std::sqrt(std::max(0.0, squares - plane.dot(right)) / pixels);
   const double sigma = inverse_depth_sigma(options, plane.z());
-  if (!(plane.z() > 0.0) || rms > edge_sigmas * sigma) return std::nullopt;
+  if (!(plane.z() > 0.0) || rms > options.depth_edge_sigmas * sigma) return std::nullopt;
   // Nearly edge-on: a pixel's error changes the depth much.
-  if (plane.head<2>().norm() > edge_sigmas * sigma) return std::nullopt;
+  if (plane.head<2>().norm() > options.depth_edge_sigmas * sigma) return std::nullopt;
   return Plane{plane.z(), pixels};
 }
 
@@ -52,16 +51,16 @@ double inverse_depth_sigma(const RgbdOptions& options, double inverse_depth) {
 }
 
 std::optional<DepthReading> read_depth(const DepthImage& depth, const Camera& camera, const Eigen::Vector2d& ray,
-                                       const SE3& depth_from_color, const RgbdOptions& options, double edge_sigmas) {
+                                       const SE3& depth_from_color, const RgbdOptions& options) {
   const Eigen::Vector3d direction(ray.x(), ray.y(), 1.0);
   const auto far = camera.project(depth_from_color.rotation() * direction);
   if (!far) return std::nullopt;
-  auto plane = plane_at(depth, *far, options, edge_sigmas);
+  auto plane = plane_at(depth, *far, options);
   if (!plane) return std::nullopt;
   // Once more at the pixel to which this depth moves it.
   const auto pixel = camera.project(depth_from_color * Eigen::Vector3d(direction / plane->inverse_depth));
   if (!pixel) return std::nullopt;
-  plane = plane_at(depth, *pixel, options, edge_sigmas);
+  plane = plane_at(depth, *pixel, options);
   if (!plane) return std::nullopt;
   // z_depth = (R (ray z) + t)_z, solved for z.
   const double z_in_depth = 1.0 / plane->inverse_depth;

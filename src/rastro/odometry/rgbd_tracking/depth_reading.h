@@ -24,11 +24,10 @@ double inverse_depth_sigma(const RgbdOptions& options, double inverse_depth);
 
 /// Depth along `ray` (normalized) of the color camera, from a plane through the 5x5 pixels around it. nullopt with too
 /// few measurements, out of range, or at the edge of an object, where depth belongs to one side or the other.
-/// `depth_from_color`: motion from the instant of the color image to that of the depth image. `edge_sigmas`: an edge is
-/// where the pixels deviate from their plane by more standard deviations of one of them, rms; less also leaves out the
-/// low steps between things that lie close to each other.
+/// `depth_from_color`: motion from the instant of the color image to that of the depth image. An edge is where the
+/// pixels deviate from their plane by more than `depth_edge_sigmas` of one of them, rms; a small number also leaves out
+/// the low steps between things that lie close to each other.
 std::optional<DepthReading> read_depth(const DepthImage& depth, const Camera& camera, const Eigen::Vector2d& ray,
-                                       const SE3& depth_from_color, const RgbdOptions& options,
-                                       double edge_sigmas = 4.0);
+                                       const SE3& depth_from_color, const RgbdOptions& options);
 
 }  // namespace rastro

@@ -22,6 +22,13 @@ void add_depth_options(OptionTable& table, RgbdOptions& o) {
        0,
        1,
        {}});
+  table.add({"depth_edge_sigmas",
+             &o.depth_edge_sigmas,
+             "sigmas",
+             "rms deviation from a plane, of 5x5 depths, beyond which a pixel lies at an edge and has no depth",
+             0.1,
+             100,
+             {}});
   table.add({"min_depth_m", &o.min_depth_m, "m", "minimum depth used", 0, 100, {}});
   table.add({"max_depth_m", &o.max_depth_m, "m", "maximum depth used", 0.1, 1000, {}});
   table.add({"learn_delay",

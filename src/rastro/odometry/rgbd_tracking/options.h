@@ -14,6 +14,7 @@ struct RgbdOptions {
   // Depth.
   double depth_sigma_m = 0.001;
   double depth_sigma_per_m2 = 0.002;
+  double depth_edge_sigmas = 4.0;
   double min_depth_m = 0.3;
   double max_depth_m = 6.0;
   bool learn_delay = true;

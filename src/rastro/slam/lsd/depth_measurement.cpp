@@ -58,9 +58,10 @@ StereoMeasurement::StereoMeasurement(const LsdFrame& frame, const LsdSensor& sen
 
 DepthCameraMeasurement::DepthCameraMeasurement(const DepthImage& depth, const SE3& depth_from_color,
                                                const LsdSensor& sensor, const LsdOptions& options)
-    : depth_(depth), depth_from_color_(depth_from_color), sensor_(sensor), edge_sigmas_(options.depth_edge_sigmas) {
+    : depth_(depth), depth_from_color_(depth_from_color), sensor_(sensor) {
   reading_.depth_sigma_m = options.depth_sigma_m;
   reading_.depth_sigma_per_m2 = options.depth_sigma_per_m2;
+  reading_.depth_edge_sigmas = options.depth_edge_sigmas;
   reading_.min_depth_m = options.min_depth_m;
   reading_.max_depth_m = options.max_depth_m;
 }
@@ -76,7 +77,7 @@ void DepthCameraMeasurement::find(const EpipolarQueries& queries, EpipolarMatche
 EpipolarMatch DepthCameraMeasurement::find(int x, int y) const {
   const Camera& camera = sensor_.camera;
   const Eigen::Vector2d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
-  const auto reading = read_depth(depth_, sensor_.recorded, ray, depth_from_color_, reading_, edge_sigmas_);
+  const auto reading = read_depth(depth_, sensor_.recorded, ray, depth_from_color_, reading_);
   if (!reading) return {EpipolarResult::outside};
   return {EpipolarResult::matched, static_cast<float>(reading->inverse_depth),
           static_cast<float>(reading->sigma * reading->sigma)};

@@ -36,7 +36,6 @@ class DepthCameraMeasurement {
   SE3 depth_from_color_;
   const LsdSensor& sensor_;
   RgbdOptions reading_;
-  double edge_sigmas_;
 };
 
 }  // namespace rastro

@@ -72,6 +72,14 @@ void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
              0.01,
              1,
              {}});
+  table.add({"depth_edge_sigmas",
+             &o.depth_edge_sigmas,
+             "sigmas",
+             "rms deviation from a plane, of 5x5 depths, beyond which a feature lies at an edge and has no depth: the "
+             "camera sees the edge of what is nearer, its depth may be that of what is behind",
+             0.1,
+             100,
+             {}});
   table.add({"far_baselines",
              &o.far_baselines,
              "",

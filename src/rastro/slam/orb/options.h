@@ -26,6 +26,7 @@ struct OrbSlamOptions {
 
   // Depth.
   double virtual_baseline_m = 0.4;
+  double depth_edge_sigmas = 2.5;
   double far_baselines = 40.0;
   int start_depth_points = 200;
   int stereo_hamming = 75;

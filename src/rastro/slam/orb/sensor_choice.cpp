@@ -14,18 +14,19 @@ namespace {
 
 constexpr int pixels_of_vga = 640 * 480;
 
-RgbdOptions farther_reading() {
-  RgbdOptions options;
-  options.max_depth_m = 20.0;
-  return options;
+RgbdOptions depth_reading(const OrbSlamOptions& options) {
+  RgbdOptions reading;
+  reading.max_depth_m = 20.0;
+  reading.depth_edge_sigmas = options.depth_edge_sigmas;
+  return reading;
 }
 
 /// No depth at object boundaries, where it may belong to either side.
-float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& keypoint, const SE3& depth_from_color) {
+float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& keypoint, const SE3& depth_from_color,
+               const RgbdOptions& reading) {
   if (depth.empty()) return 0.0F;
   const auto ray = camera.unproject(Eigen::Vector2d(keypoint.x, keypoint.y));
   if (!ray) return 0.0F;
-  static const RgbdOptions reading = farther_reading();
   const auto read = read_depth(depth, camera, *ray, depth_from_color, reading);
   return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
 }
@@ -118,9 +119,10 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
   data->features = extractor_.extract(frame.image.view(), frame.mask.view(), pool_);
   if (sensor_.sensor == CameraKind::depth) {
     data->depths.resize(data->features.size());
+    const RgbdOptions reading = depth_reading(options_);
     const auto read = [&](int begin, int end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_color);
+        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_color, reading);
     };
     const auto count = static_cast<int>(data->features.size());
     pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);

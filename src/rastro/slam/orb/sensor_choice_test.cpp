@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "rastro/odometry/rgbd_tracking/depth_reading.h"
 #include "rastro/slam/orb/tracking/wall_testing.h"
 
 namespace rastro {
@@ -176,6 +177,37 @@ TEST(SensorChoice, ADepthCameraMeasuresEveryFeatureOfTheWallForAnyPool) {
   EXPECT_EQ(alone->data().depths, together->data().depths);
   ASSERT_GT(alone->size(), 300U);
   for (const float depth : alone->data().depths) EXPECT_NEAR(static_cast<double>(depth), wall_m, 1e-3);
+}
+
+/// Features there move with what is nearer; the depth around them is of both.
+TEST(SensorChoice, FeaturesAtALowStepOfDepthHaveNone) {
+  const Camera camera = distorted();
+  SourceInfo source;
+  source.cameras = {{"rgb", camera, {}, ""}};
+  source.has_depth = true;
+  OrbSlamOptions options = options_of("rgbd");
+  const SensorChoice choice = choose_sensor(options, source);
+  Frame frame;
+  frame.image = image_of_wall(camera, SE3());
+  frame.depth = DepthImage(camera.width, camera.height);
+  const double sigma = inverse_depth_sigma({}, 1.0 / wall_m);
+  const auto features = FeatureMaker(options, choice, nullptr).make(frame);
+  ASSERT_GT(features->size(), 300U);
+  const int edge = static_cast<int>(std::lround(features->data().features.keypoints[100].x));
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      frame.depth.at(x, y) = static_cast<float>(1.0 / (1.0 / wall_m - (x < edge ? 0.0 : 11.0 * sigma)));
+  const auto cautious = FeatureMaker(options, choice, nullptr).make(frame);
+  options.depth_edge_sigmas = 4.0;
+  const auto bold = FeatureMaker(options, choice, nullptr).make(frame);
+  int at_edge = 0;
+  for (std::size_t i = 0; i < cautious->size(); ++i) {
+    const double from_edge = std::abs(static_cast<double>(cautious->data().features.keypoints[i].x) - (edge - 0.5));
+    EXPECT_TRUE(from_edge < 1.0 || from_edge > 4.0 ? (cautious->data().depths[i] > 0.0F) == (from_edge > 4.0) : true);
+    EXPECT_GT(bold->data().depths[i], 0.0F);
+    at_edge += from_edge < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(at_edge, 0);
 }
 
 TEST(SensorChoice, WhatTheLensDoesNotShowWithAMarginOf16PixelsIsMasked) {
