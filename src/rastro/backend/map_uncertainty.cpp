@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/backend/map_uncertainty.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace rastro {
@@ -43,6 +44,17 @@ void MapUncertainty::reduce(std::int64_t part, const Eigen::Vector3d& position, 
   const auto found = parts_.find(part);
   if (found != parts_.end() && covariance.trace() < found->second.covariance.topLeftCorner<6, 6>().trace())
     set(part, position, covariance);
+}
+
+void MapUncertainty::contradict(std::int64_t part, const SE3& before, const SE3& after) {
+  constexpr double chi_square_99 = 16.81;  // six degrees of freedom
+  const auto found = parts_.find(part);
+  if (found == parts_.end()) return;
+  Vector6d moved;
+  moved << after.translation() - before.translation(), (after.rotation() * before.rotation().inverse()).log();
+  auto claimed = found->second.covariance.topLeftCorner<6, 6>();
+  const double squared_sigmas = moved.dot(claimed.ldlt().solve(moved));
+  if (squared_sigmas > chi_square_99) claimed += (1.0 - chi_square_99 / squared_sigmas) * moved * moved.transpose();
 }
 
 void MapUncertainty::close_loop(std::int64_t earlier, std::int64_t later) {

@@ -68,6 +68,25 @@ TEST(MapUncertainty, ALoopClosureOnlyReducesWhatIsKnownToBeUncertain) {
   EXPECT_NEAR(uncertainty.of_pose(1, at, Matrix6d::Zero())(0, 0), 0.16, 1e-12) << "set() may also raise it";
 }
 
+TEST(MapUncertainty, WhatMovesBeyondItsErrorsIsAsUncertainAsItMoved) {
+  const Eigen::Vector3d at(1.0, 2.0, 0.0);
+  const SE3 before(SO3::exp({0.0, 0.0, 0.3}), at);
+  MapUncertainty uncertainty;
+  uncertainty.set(1, at, diagonal(0.01, 0.005));
+  uncertainty.contradict(1, before, SE3(before.rotation(), at + Eigen::Vector3d(0.04, 0.0, 0.0)));
+  EXPECT_NEAR(uncertainty.of_pose(1, at, Matrix6d::Zero())(0, 0), 1e-4, 1e-12) << "4 sigmas in one of six directions";
+  const SE3 turned(SO3::exp({0.0, 0.0, 0.1}) * before.rotation(), at + Eigen::Vector3d(0.2, 0.0, 0.0));
+  uncertainty.contradict(1, before, turned);
+  const Matrix6d covariance = uncertainty.of_pose(1, at, Matrix6d::Zero());
+  constexpr double share = 1.0 - 16.81 / (400.0 + 400.0);
+  EXPECT_NEAR(covariance(0, 0), 1e-4 + share * 0.04, 1e-9);
+  EXPECT_NEAR(covariance(5, 5), 2.5e-5 + share * 0.01, 1e-9) << "in the world's axes";
+  EXPECT_NEAR(covariance(0, 5), share * 0.02, 1e-9) << "both of one cause";
+  EXPECT_NEAR(covariance(1, 1), 1e-4, 1e-12);
+  uncertainty.contradict(2, before, turned);
+  EXPECT_FALSE(uncertainty.contains(2)) << "the origin, or not a part";
+}
+
 /// Of one camera a wrong scale moves what is far away from where it became wrong, and along that direction alone.
 TEST(MapUncertainty, AnErrorOfTheScaleGrowsWithTheDistance) {
   MapUncertainty uncertainty;

@@ -32,6 +32,7 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
   Result result;
   result.keyframe = id;
   result.view_of_keyframe = local_mapping_.process(keyframe);
+  result.adjusted = local_mapping_.adjusted();
   if (session_.options.loop_closing) {
     result.loop = loop_closing_.process(id);
     if (result.loop) {
@@ -87,6 +88,8 @@ void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   events.insert(events.end(), result.events.begin(), result.events.end());
   session_.trajectory.put_back(result.refined);
   session_.direct.keyframes.add(result.keyframe, result.view_of_keyframe);
+  for (const AdjustedKeyframe& keyframe : result.adjusted)
+    session_.uncertainty.contradict(keyframe.id, keyframe.world_from_camera_before, keyframe.world_from_camera);
   if (result.loop && !result.loop->merged) session_.uncertainty.close_loop(result.loop->matched, result.loop->keyframe);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));

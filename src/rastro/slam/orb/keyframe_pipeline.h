@@ -66,6 +66,7 @@ class KeyframePipeline {
     std::vector<TrackedFrame> refined;  ///< Frames that no longer need their observations.
     std::int64_t keyframe = -1;
     std::shared_ptr<const DirectView> view_of_keyframe;  ///< Null: features alone.
+    std::vector<AdjustedKeyframe> adjusted;
   };
 
   Result process(const KeyframeInput& keyframe, std::size_t trajectory_bytes);

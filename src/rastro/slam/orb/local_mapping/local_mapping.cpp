@@ -155,7 +155,7 @@ void LocalMapping::adjust_locally(std::int64_t keyframe) {
     fixed.push_back(free.front());
     free.erase(free.begin());
   }
-  adjust(free, fixed, options_.adjust_iterations);
+  adjusted_ = adjust(free, fixed, options_.adjust_iterations);
 }
 
 /// The other keyframes that observe the landmarks of `free` stay fixed: those that share most.
@@ -185,19 +185,24 @@ void LocalMapping::adjust_all(int submap, int iterations) {
   if (!free.empty()) adjust(free, fixed, iterations);
 }
 
-void LocalMapping::adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed,
-                          int iterations) {
+/// Returns the keyframes of `free` as they were and are.
+std::vector<AdjustedKeyframe> LocalMapping::adjust(const std::vector<std::int64_t>& free,
+                                                   const std::vector<std::int64_t>& fixed, int iterations) {
   BundleProblem problem = bundle_problem(graph_, free, fixed, options_.pixel_sigma);
-  if (problem.bundle.observations.empty()) return;
+  if (problem.bundle.observations.empty()) return {};
   adjust_bundle_problem(
       problem, iterations, [this] { return stop_ != nullptr && stop_->load(); }, pool_);
+  std::vector<AdjustedKeyframe> adjusted;
   for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
-    if (problem.bundle.fixed[i] == 0)
-      graph_.keyframe(problem.keyframes[i]).camera_from_world = problem.bundle.camera_from_world[i];
+    if (problem.bundle.fixed[i] != 0) continue;
+    SE3& pose = graph_.keyframe(problem.keyframes[i]).camera_from_world;
+    adjusted.push_back({problem.keyframes[i], pose.inverse(), problem.bundle.camera_from_world[i].inverse()});
+    pose = problem.bundle.camera_from_world[i];
   }
   for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
     graph_.landmark(problem.landmarks[i]).position = problem.bundle.points[i];
   drop_outliers(graph_, problem);
+  return adjusted;
 }
 
 bool LocalMapping::is_redundant(const MapKeyframe& keyframe) const {

@@ -33,6 +33,12 @@ struct KeyframeInput {
   std::shared_ptr<const DirectView> view{};         ///< Null: features alone.
 };
 
+/// What bundle adjustment did to a keyframe.
+struct AdjustedKeyframe {
+  std::int64_t id = -1;
+  SE3 world_from_camera_before, world_from_camera;
+};
+
 /// Local mapping of a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).
 class LocalMapping {
  public:
@@ -52,6 +58,8 @@ class LocalMapping {
   /// Processes a keyframe from insertion to culling; without loop closing. Returns what frames can be aligned with, or
   /// null.
   std::shared_ptr<const DirectView> process(const KeyframeInput& input);
+  /// Those free in the bundle adjustment of the last process().
+  const std::vector<AdjustedKeyframe>& adjusted() const { return adjusted_; }
   /// As process() keeps and returns it, of the keyframe that a submap was initialized with.
   std::shared_ptr<const DirectView> add_view(std::int64_t keyframe, const DirectView* view) {
     return direct_.add(keyframe, view);
@@ -73,7 +81,8 @@ class LocalMapping {
   void fuse_into(std::int64_t keyframe, const std::vector<std::int64_t>& landmarks);
   void adjust_locally(std::int64_t keyframe);
   std::vector<std::int64_t> fixed_observers(const std::vector<std::int64_t>& free) const;
-  void adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed, int iterations);
+  std::vector<AdjustedKeyframe> adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed,
+                                       int iterations);
   void cull_keyframes(std::int64_t keyframe);
   bool is_redundant(const MapKeyframe& keyframe) const;
   double median_depth(const MapKeyframe& keyframe) const;
@@ -84,6 +93,7 @@ class LocalMapping {
   const std::atomic<bool>* stop_;
   DirectPoses direct_;
   std::vector<std::int64_t> recent_;  ///< Recently created landmarks, still subject to culling.
+  std::vector<AdjustedKeyframe> adjusted_;
 };
 
 }  // namespace rastro
