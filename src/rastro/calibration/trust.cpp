@@ -47,23 +47,38 @@ std::array<bool, ninths * ninths> empty_ninths(const std::array<bool, cells_a_si
   return empty;
 }
 
-/// Whole sides by one name, the ninths beside them by their own.
+/// Whether the outermost cells of a side have no corner; sides in the order left, right, upper, lower.
+bool edge_empty(const std::array<bool, cells_a_side * cells_a_side>& seen, std::size_t side) {
+  constexpr std::size_t last = cells_a_side - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    const std::size_t x = side == 0 ? 0 : side == 1 ? last : k;
+    const std::size_t y = side == 2 ? 0 : side == 3 ? last : k;
+    if (seen[y * cells_a_side + x]) return false;
+  }
+  return true;
+}
+
+/// Whole sides by one name, the ninths beside them by their own; edges where the side behind them was seen.
 void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& seen, BoardCoverage& coverage) {
   constexpr const char* names[] = {"upper left", "top",        "upper right", "left",       "center",
                                    "right",      "lower left", "bottom",      "lower right"};
   struct Side {
-    const char* name;
+    const char *name, *edge;
     std::array<std::size_t, 3> parts;
   };
-  constexpr Side sides[] = {{"the whole left side", {0, 3, 6}},
-                            {"the whole right side", {2, 5, 8}},
-                            {"the whole upper side", {0, 1, 2}},
-                            {"the whole lower side", {6, 7, 8}}};
+  constexpr Side sides[] = {{"the whole left side", "the left edge", {0, 3, 6}},
+                            {"the whole right side", "the right edge", {2, 5, 8}},
+                            {"the whole upper side", "the upper edge", {0, 1, 2}},
+                            {"the whole lower side", "the lower edge", {6, 7, 8}}};
   const auto empty = empty_ninths(seen);
   auto unnamed = empty;
   int whole = 0;
-  for (const auto& [name, parts] : sides) {
-    if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) continue;
+  for (std::size_t side = 0; side < std::size(sides); ++side) {
+    const auto& [name, edge, parts] = sides[side];
+    if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) {
+      if (edge_empty(seen, side)) coverage.missing.emplace_back(edge);
+      continue;
+    }
     coverage.missing.emplace_back(name);
     for (const std::size_t k : parts) unnamed[k] = false;
     ++whole;
