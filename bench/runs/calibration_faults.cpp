@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "rastro/calibration/boards_testing.h"
 #include "rastro/calibration/trust.h"
@@ -44,7 +46,7 @@ CalibrationTrust judge_square_size(std::uint64_t seed, double factor) {
 }
 
 struct Tally {
-  const char* name;
+  std::string_view name;
   int of = 0, named = 0;
   void count(bool yes) {
     ++of;
@@ -69,19 +71,22 @@ void count_faults(std::uint64_t first, std::uint64_t seeds) {
 }
 
 void count_false_doubts(std::uint64_t first, std::uint64_t seeds) {
-  Tally accused{"right calibrations, board, model or images accused"},
-      lacking{"right calibrations, views said to lack"};
+  Tally accused{"right calibrations, board, model or images accused"};
+  std::vector<Tally> lacking;
   for (const LensModel model :
-       {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant, LensModel::pinhole_8})
+       {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant, LensModel::pinhole_8}) {
+    lacking.push_back({lens_model_name(model)});
     for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
       const CalibrationTrust trust = judge({.model = model, .seed = seed, .frames = 40});
       const std::string wrong = accusations(trust);
       accused.count(!wrong.empty());
-      lacking.count(!trust.doubts.empty() && wrong.empty());
+      lacking.back().count(!trust.doubts.empty() && wrong.empty());
       if (!wrong.empty()) fmt::print("  {}, seed {}:{}\n", lens_model_name(model), seed, wrong);
     }
+  }
   accused.print();
-  lacking.print();
+  fmt::print("views said to lack, or projections uncertain:\n");
+  for (const Tally& tally : lacking) tally.print();
 }
 
 }  // namespace

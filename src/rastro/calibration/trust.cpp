@@ -156,6 +156,58 @@ void doubt_halves(const CrossValidation& halves, bool explained, CalibrationTrus
   }
 }
 
+/// Projections at places of the image that both halves have: their difference, and how it is spread by noise.
+struct HalvesInImage {
+  double squared_px = 0.0;     ///< Sum over the places.
+  Eigen::MatrixXd by_a, by_b;  ///< Derivatives of the projections by the parameters of each half, two rows a place.
+};
+
+HalvesInImage halves_in_image(const CameraCalibration& calibration, std::size_t camera, int width, int height) {
+  const BoardSolution &a = calibration.halves[0], &b = calibration.halves[1];
+  const ProjectionDifference difference =
+      projection_difference(a.problem.lenses[camera], b.problem.lenses[camera], width, height, 16);
+  const Eigen::Index most = 2 * difference.x.columns * difference.x.rows;
+  HalvesInImage halves{0.0, Eigen::MatrixXd(most, a.parameters.count), Eigen::MatrixXd(most, b.parameters.count)};
+  Eigen::Index rows = 0;
+  for (int row = 0; row < difference.x.rows; ++row)
+    for (int column = 0; column < difference.x.columns; ++column) {
+      const Eigen::Vector2d pixel = map_pixel(difference.x, column, row, width, height);
+      const auto by_a = projection_by_parameters(a, camera, pixel, 0.0);
+      const auto by_b = projection_by_parameters(b, camera, pixel, 0.0);
+      const double x = difference.x.at(column, row), y = difference.y.at(column, row);
+      if (!by_a || !by_b || !std::isfinite(x) || !std::isfinite(y)) continue;
+      halves.squared_px += x * x + y * y;
+      halves.by_a.middleRows<2>(rows) = *by_a;
+      halves.by_b.middleRows<2>(rows) = *by_b;
+      rows += 2;
+    }
+  halves.by_a.conservativeResize(rows, Eigen::NoChange);
+  halves.by_b.conservativeResize(rows, Eigen::NoChange);
+  return halves;
+}
+
+/// By how much the root of a mean of squares may exceed what is expected of it, at 1 in 1000, where it has so many
+/// degrees of freedom (Wilson and Hilferty 1931).
+double most_by_chance(double freedom) {
+  const double spread = 2.0 / (9.0 * freedom);
+  return std::sqrt(std::pow(1.0 - spread + 3.09 * std::sqrt(spread), 3));
+}
+
+void compare_projections(const CameraCalibration& calibration, std::size_t camera, int width, int height,
+                         CrossValidation& result) {
+  const HalvesInImage halves = halves_in_image(calibration, camera, width, height);
+  const double places = std::max(1.0, 0.5 * static_cast<double>(halves.by_a.rows()));
+  const Eigen::MatrixXd covariance = halves.by_a * calibration.half_covariances[0] * halves.by_a.transpose() +
+                                     halves.by_b * calibration.half_covariances[1] * halves.by_b.transpose();
+  result.difference_px = std::sqrt(halves.squared_px / places);
+  result.expected_px = std::sqrt(covariance.trace() / places);
+  // Where few boards were, one direction of all parameters may make up most of the difference: the mean over the image
+  // then has hardly more than one degree of freedom (Satterthwaite 1946).
+  const double freedom = std::max(1.0, std::pow(covariance.trace(), 2) / std::max(1e-300, covariance.squaredNorm()));
+  // Corners of one board share blur and shading, which the noise of single corners does not know: so twice is allowed.
+  result.agree = result.difference_px <= std::max(2.0, most_by_chance(freedom)) * result.expected_px;
+}
+
 }  // namespace
 
 BoardCoverage board_coverage(const BoardSolution& solution, std::size_t camera, int width, int height) {
@@ -209,24 +261,7 @@ CrossValidation cross_validate(const CameraCalibration& calibration, std::size_t
   const Eigen::MatrixXd unit = scale.asDiagonal() * both * scale.asDiagonal();
   const Eigen::VectorXd scaled = scale.cwiseProduct(apart);
   result.chi_square = scaled.dot(unit.ldlt().solve(scaled)) / static_cast<double>(size);
-  const ProjectionDifference difference = projection_difference(lens_a, lens_b, width, height, 16);
-  double squared = 0.0, expected = 0.0;
-  int count = 0;
-  for (int row = 0; row < difference.x.rows; ++row)
-    for (int column = 0; column < difference.x.columns; ++column) {
-      const Eigen::Vector2d pixel = map_pixel(difference.x, column, row, width, height);
-      const auto in_a = projection_covariance(a, calibration.half_covariances[0], camera, pixel, 0.0);
-      const auto in_b = projection_covariance(b, calibration.half_covariances[1], camera, pixel, 0.0);
-      const double x = difference.x.at(column, row), y = difference.y.at(column, row);
-      if (!in_a || !in_b || !std::isfinite(x) || !std::isfinite(y)) continue;
-      squared += x * x + y * y;
-      expected += in_a->trace() + in_b->trace();
-      ++count;
-    }
-  result.difference_px = std::sqrt(squared / std::max(1, count));
-  result.expected_px = std::sqrt(expected / std::max(1, count));
-  // Corners of one board share blur and shading, which the noise of single corners does not know: so twice is allowed.
-  result.agree = result.difference_px <= 2.0 * result.expected_px;
+  compare_projections(calibration, camera, width, height, result);
   return result;
 }
 
