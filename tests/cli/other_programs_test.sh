@@ -177,18 +177,29 @@ video() {
   done
 }
 
-# The same corners calibrated by mrcal: projections and their uncertainty.
+# The same corners calibrated by mrcal: projections and their uncertainty. Recorded boards, and generated ones.
 mrcal() {
   need mrcal-calibrate-cameras mrcal
   need_python mrcal python3-mrcal
   need_python scipy python3-scipy
-  local boards=${RASTRO_DATA:-}/chessboards model
-  [[ -d $boards ]] || { echo "SKIPPED: no chessboards in RASTRO_DATA" >&2; exit 77; }
-  for model in pinhole4 pinhole5; do
-    run calibrate "$boards/left*.jpg" --board chessboard:9x6:0.025 --model $model --out "$here/$model"
-    mkdir -p "$here/mrcal_$model"
-    /usr/bin/python3 "$(dirname "${BASH_SOURCE[0]}")/compare_with_mrcal.py" "$here/$model" "$boards" 'left*.jpg' "$here/mrcal_$model" ||
-      fail "mrcal has another calibration"
+  need_python cv2 python3-opencv
+  local boards=${RASTRO_DATA:-}/chessboards scripts model side seed
+  scripts=$(dirname "${BASH_SOURCE[0]}")
+  local -a sets=()
+  if [[ -d $boards ]]; then
+    for side in left right; do sets+=("$boards/$side*.jpg"); done
+  fi
+  for seed in 1 2; do
+    mkdir -p "$here/boards$seed"
+    /usr/bin/python3 "$scripts/draw_boards.py" "$here/boards$seed" $seed 24
+    sets+=("$here/boards$seed/*.png")
+  done
+  for images in "${sets[@]}"; do
+    for model in pinhole4 pinhole5; do
+      run calibrate "$images" --board chessboard:9x6:0.025 --model $model --out "$here/$model" --force
+      echo "$images"
+      /usr/bin/python3 "$scripts/compare_with_mrcal.py" "$here/$model" || fail "mrcal has another calibration of $images"
+    done
   done
 }
 

@@ -344,8 +344,9 @@ bool better_with(const BoardSolution& freer, const BoardSolution& plain, int par
 ShapeFinding find_shape(const BoardSolution& bow_free) {
   const LensModel model = bow_free.problem.lenses.front().model;
   ShapeFinding finding;
-  finding.bowed = better_with(bow_free, refit(bow_free, model, false, false), 2);
-  const BoardSolution& plain = finding.bowed ? bow_free : refit(bow_free, model, false, false);
+  const BoardSolution flat = refit(bow_free, model, false, false);
+  finding.bowed = better_with(bow_free, flat, 2);
+  const BoardSolution& plain = finding.bowed ? bow_free : flat;
   const BoardSolution all_free = refit(bow_free, model, true, true);
   const BoardSolution stretched = finding.bowed ? all_free : refit(bow_free, model, false, true);
   finding.stretched = better_with(stretched, plain, 1);

@@ -98,6 +98,22 @@ TEST(CalibrationFaultsTest, ModelThatIsTooSimpleIsNamedAndCostsNoGoodFrame) {
   EXPECT_NEAR(calibration.models.back().rms_px, 0.2 * std::sqrt(2.0), 0.01);
 }
 
+TEST(CalibrationFaultsTest, FocusThatChangedBetweenImagesIsNamed) {
+  GeneratedBoards made = generate_boards(enough());
+  const Eigen::Vector2d center = made.truth.lenses[0].parameters.segment<2>(2);
+  for (std::size_t i = 1; i < made.input.views.size(); i += 2)
+    for (Eigen::Vector2d& pixel : made.input.views[i].pixels) pixel = center + 1.01 * (pixel - center);
+  EXPECT_THAT(told(judged(made.input)), HasSubstr("two halves of the images differ"));
+}
+
+TEST(CalibrationFaultsTest, CornersOfAWideLensThatFewBoardsSawDoNotMakeHalvesDiffer) {
+  // The difference lies in one direction of the lens, at 2.6 times its standard deviation.
+  const CalibrationTrust trust =
+      judged(generate_boards({.model = LensModel::equidistant, .seed = 101, .frames = 40}).input);
+  EXPECT_GT(trust.halves.difference_px, 2.0 * trust.halves.expected_px);
+  EXPECT_TRUE(trust.halves.agree);
+}
+
 TEST(CalibrationFaultsTest, BoardsInTheMiddleOnlyAreNamed) {
   GeneratedOptions options = enough();
   options.frames = 24;

@@ -51,9 +51,8 @@ Eigen::Matrix3Xd mean_point_by_parameters(const BoardSolution& solution, std::si
 
 }  // namespace
 
-std::optional<Eigen::Matrix2d> projection_covariance(const BoardSolution& solution, const Eigen::MatrixXd& covariance,
-                                                     std::size_t camera, const Eigen::Vector2d& pixel,
-                                                     double distance) {
+std::optional<Eigen::Matrix2Xd> projection_by_parameters(const BoardSolution& solution, std::size_t camera,
+                                                         const Eigen::Vector2d& pixel, double distance) {
   const Lens& lens = solution.problem.lenses[camera];
   const auto ray = lens.unproject(pixel);
   if (!ray) return std::nullopt;
@@ -63,7 +62,15 @@ std::optional<Eigen::Matrix2d> projection_covariance(const BoardSolution& soluti
   if (!projected) return std::nullopt;
   Eigen::Matrix2Xd by = projected->by_point * mean_point_by_parameters(solution, camera, point, infinite);
   by.middleCols(solution.parameters.lenses[camera], lens.parameters.size()) += projected->by_parameters;
-  return by * covariance * by.transpose();
+  return by;
+}
+
+std::optional<Eigen::Matrix2d> projection_covariance(const BoardSolution& solution, const Eigen::MatrixXd& covariance,
+                                                     std::size_t camera, const Eigen::Vector2d& pixel,
+                                                     double distance) {
+  const auto by = projection_by_parameters(solution, camera, pixel, distance);
+  if (!by) return std::nullopt;
+  return *by * covariance * by->transpose();
 }
 
 Eigen::Vector2d map_pixel(const ImageMap& map, int column, int row, int width, int height) {

@@ -25,6 +25,10 @@ struct ImageMap {
 std::optional<Eigen::Matrix2d> projection_covariance(const BoardSolution& solution, const Eigen::MatrixXd& covariance,
                                                      std::size_t camera, const Eigen::Vector2d& pixel, double distance);
 
+/// Derivative of the same projection by all parameters of the solution, 2 x BoardParameters::count.
+std::optional<Eigen::Matrix2Xd> projection_by_parameters(const BoardSolution& solution, std::size_t camera,
+                                                         const Eigen::Vector2d& pixel, double distance);
+
 /// Standard deviation in its worst direction over the image, pixels.
 ImageMap projection_uncertainty(const BoardSolution& solution, const Eigen::MatrixXd& covariance, std::size_t camera,
                                 int width, int height, double distance, int columns = 32);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The chessboards of OpenCV's samples, against the calibrations that lie beside them.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -74,6 +75,9 @@ TEST(RecordedBoardsTest, PairHasTheBaselineThatBothCamerasAgreeOn) {
   for (std::size_t camera = 0; camera < 2; ++camera)
     report.trust.push_back(judge_calibration(calibration, camera, 640, 480));
   std::printf("%s", calibration_summary(report).c_str());
+  // No board comes nearer than a sixth of the image to these edges.
+  EXPECT_THAT(report.trust[0].coverage.missing, testing::ElementsAre("the left edge", "upper left"));
+  EXPECT_THAT(report.trust[1].coverage.missing, testing::ElementsAre("the right edge", "upper right"));
   EXPECT_LT(calibration.solution.rms_px(), 0.25);
   EXPECT_NEAR(calibration.solution.problem.right_from_left.inverse().translation().norm(), 0.0833, 0.002);
 }

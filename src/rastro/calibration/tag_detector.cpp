@@ -5,11 +5,12 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco.hpp>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/calibration/board_dictionary.h"
 #include "rastro/calibration/board_image.h"
+#include "rastro/calibration/tag_quads.h"
 
 namespace rastro {
 namespace {
@@ -19,186 +20,46 @@ constexpr std::size_t fewest_corners = 6;
 /// Of the side of a tag: where its neighbors may be off from where it says, by perspective that its own corners tell
 /// badly and by the lens. A tag that was misread is off by a whole side or more.
 constexpr double neighbor_tolerance = 0.4;
-
-/// Between black and white of a tag, gray levels.
-constexpr float least_contrast = 20.0F;
-
-using Quad = std::array<cv::Point2f, 4>;
+/// Farther from where the tags say that it is, what was found is another corner; pixels.
+constexpr double most_off = 1.5;
 
 /// Tags by their number on the board, corners clockwise from the upper left.
-using FoundTags = std::map<int, Quad>;
-
-/// Tags of a ChArUco board.
-FoundTags search_tags(const cv::Mat& image, const Board& board, int tag_count) {
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  // Tags of a large grid are small: 12 pixels a side in an image of 1000.
-  parameters->minMarkerPerimeterRate = 0.045;
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(dictionary_number(board.tags).value_or(0)),
-                           corners, ids, parameters);
-  FoundTags found;
-  std::map<int, int> seen;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] >= tag_count || corners[i].size() != 4) continue;
-    ++seen[ids[i]];
-    std::copy_n(corners[i].begin(), 4, found[ids[i]].begin());
-  }
-  std::erase_if(found, [&](const auto& tag) { return seen[tag.first] > 1; });
-  return found;
-}
+using FoundTags = std::map<int, TagQuad>;
 
 /// From the board's plane to the image, as the corners of one tag say.
-cv::Matx33d image_from_board(const BoardTag& tag, double side, const Quad& corners) {
+cv::Matx33d image_from_board(const BoardTag& tag, double side, const TagQuad& corners) {
   const auto left = static_cast<float>(tag.upper_left.x()), top = static_cast<float>(tag.upper_left.y());
   const auto s = static_cast<float>(side);
-  const Quad flat = {cv::Point2f(left, top), {left + s, top}, {left + s, top + s}, {left, top + s}};
+  const TagQuad flat = {cv::Point2f(left, top), {left + s, top}, {left + s, top + s}, {left, top + s}};
   const cv::Mat homography = cv::getPerspectiveTransform(flat.data(), corners.data());
   return cv::Matx33d(homography.ptr<double>());
 }
 
-cv::Point2f mapped(const cv::Matx33d& homography, const Eigen::Vector2d& point) {
-  const cv::Vec3d image = homography * cv::Vec3d(point.x(), point.y(), 1.0);
-  if (!(std::abs(image[2]) > 1e-12)) return {-1e6F, -1e6F};
-  return {static_cast<float>(image[0] / image[2]), static_cast<float>(image[1] / image[2])};
-}
-
-float shortest_side(const Quad& quad) {
-  double shortest = 1e9;
-  for (std::size_t k = 0; k < 4; ++k) shortest = std::min(shortest, cv::norm(quad[k] - quad[(k + 1) % 4]));
-  return static_cast<float>(shortest);
-}
-
-cv::Point2f center_of(const Quad& quad) { return (quad[0] + quad[1] + quad[2] + quad[3]) * 0.25F; }
-
-Quad turned(const Quad& quad, std::size_t turns) {
-  return {quad[turns % 4], quad[(1 + turns) % 4], quad[(2 + turns) % 4], quad[(3 + turns) % 4]};
-}
-
-/// Corners farther out by `pixels` along both sides.
-Quad grown(const Quad& quad, float pixels) {
-  const cv::Point2f center = center_of(quad);
-  Quad result;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const cv::Point2f out = quad[k] - center;
-    result[k] = quad[k] + out * (1.41421356F * pixels / std::max(1.0F, static_cast<float>(cv::norm(out))));
-  }
-  return result;
-}
-
-/// Gray of the cells of a tag, row by row.
-std::vector<float> cell_values(const cv::Mat& image, const Quad& quad, int cells) {
-  const auto end = static_cast<float>(cells);
-  const Quad flat = {cv::Point2f(0.0F, 0.0F), {end, 0.0F}, {end, end}, {0.0F, end}};
-  const cv::Matx33d homography(cv::Mat(cv::getPerspectiveTransform(flat.data(), quad.data())).ptr<double>());
-  std::vector<float> values;
-  for (int y = 0; y < cells; ++y)
-    for (int x = 0; x < cells; ++x) {
-      float sum = 0.0F;
-      for (int k = 0; k < 5; ++k) {
-        const double u = x + 0.5 +
-                         (k == 1   ? 0.2
-                          : k == 2 ? -0.2
-                                   : 0.0),
-                     v = y + 0.5 +
-                         (k == 3   ? 0.2
-                          : k == 4 ? -0.2
-                                   : 0.0);
-        const cv::Point2f at = mapped(homography, {u, v});
-        const int left = std::clamp(static_cast<int>(std::lround(at.x)), 0, image.cols - 1);
-        const int top = std::clamp(static_cast<int>(std::lround(at.y)), 0, image.rows - 1);
-        sum += static_cast<float>(image.at<std::uint8_t>(top, left));
-      }
-      values.push_back(sum / 5.0F);
-    }
-  return values;
-}
-
-struct ReadTag {
-  int id = 0;
-  Quad corners;
+/// How the tags of a board are read.
+struct TagReader {
+  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  int tag_count;
+  int border_cells;
 };
 
-/// The tag in a quad whose border is dark; nullopt for what is none.
-std::optional<ReadTag> read_tag(const cv::Mat& image, const Quad& quad, cv::aruco::Dictionary& dictionary,
-                                int border_cells) {
-  const int cells = dictionary.markerSize + 2 * border_cells;
-  const std::vector<float> values = cell_values(image, quad, cells);
-  std::vector<float> sorted = values;
-  std::sort(sorted.begin(), sorted.end());
-  const std::size_t tenth = sorted.size() / 10;
-  const float dark = sorted[tenth], bright = sorted[sorted.size() - 1 - tenth];
-  if (bright - dark < least_contrast) return std::nullopt;
-  cv::Mat bits(dictionary.markerSize, dictionary.markerSize, CV_8UC1);
-  int wrong = 0;
-  for (int y = 0; y < cells; ++y)
-    for (int x = 0; x < cells; ++x) {
-      const bool white = values[static_cast<std::size_t>(y * cells + x)] > 0.5F * (dark + bright);
-      const int column = x - border_cells, row = y - border_cells;
-      if (column < 0 || row < 0 || column >= bits.cols || row >= bits.rows) {
-        wrong += white ? 1 : 0;
-      } else {
-        bits.at<std::uint8_t>(row, column) = white ? 1 : 0;
-      }
-    }
-  int id = 0, rotation = 0;
-  if (wrong > cells / 3 || !dictionary.identify(bits, id, rotation, 0.6)) return std::nullopt;
-  return ReadTag{id, turned(quad, static_cast<std::size_t>(4 - rotation))};
-}
-
-/// Dark quads, corners clockwise. The squares between the tags of a grid touch their corners, so that all may be one
-/// dark shape: it is made thinner by `radius` pixels, and each quad larger again.
-std::vector<Quad> dark_quads(const cv::Mat& dark, int radius) {
-  cv::Mat thinner;
-  cv::erode(dark, thinner, cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
-  std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(thinner, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-  std::vector<Quad> quads;
-  for (const auto& contour : contours) {
-    if (contour.size() < 50) continue;
-    std::vector<cv::Point> polygon;
-    cv::approxPolyDP(contour, polygon, 0.05 * static_cast<double>(contour.size()), true);
-    if (polygon.size() != 4 || !cv::isContourConvex(polygon)) continue;
-    Quad quad;
-    std::copy(polygon.begin(), polygon.end(), quad.begin());
-    const cv::Point2f along = quad[1] - quad[0], across = quad[2] - quad[0];
-    if (along.x * across.y - along.y * across.x < 0.0F) std::swap(quad[1], quad[3]);
-    quads.push_back(grown(quad, static_cast<float>(radius)));
-  }
-  return quads;
-}
-
-/// Tags of a grid, whose quads OpenCV's search would not tell apart.
-FoundTags search_grid(const cv::Mat& image, const Board& board, int tag_count, int border_cells) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number(board.tags).value_or(0));
-  const int largest = std::max(image.cols, image.rows);
-  const int scale = largest <= 1000 ? 2 : 1;
-  cv::Mat large, dark;
-  cv::resize(image, large, {}, scale, scale, cv::INTER_LINEAR);
-  const int block = (scale * largest / 10) | 1;
-  cv::adaptiveThreshold(large, dark, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY_INV, block, 5.0);
+FoundTags read_tags(const cv::Mat& image, const std::vector<TagQuad>& quads, const TagReader& reader) {
   FoundTags found;
-  for (const int radius : {1, 2})
-    for (const Quad& quad : dark_quads(dark, radius)) {
-      Quad corners;
-      for (std::size_t k = 0; k < 4; ++k)
-        corners[k] = (quad[k] + cv::Point2f(0.5F, 0.5F)) / static_cast<float>(scale) - cv::Point2f(0.5F, 0.5F);
-      const auto tag = read_tag(image, corners, *dictionary, border_cells);
-      if (tag && tag->id < tag_count) found.try_emplace(tag->id, tag->corners);
-    }
+  for (const TagQuad& quad : quads) {
+    const auto tag = read_tag(image, quad, *reader.dictionary, reader.border_cells);
+    if (tag && tag->id < reader.tag_count) found.try_emplace(tag->id, turned(quad, tag->turns));
+  }
   return found;
 }
 
 /// Whether one of the nearest other tags is where this one says.
 bool agrees(int number, const FoundTags& found, const std::vector<BoardTag>& tags, const Board& board) {
   const auto at = [&](int n) -> const BoardTag& { return tags[static_cast<std::size_t>(n)]; };
-  const Quad& quad = found.at(number);
+  const TagQuad& quad = found.at(number);
   const cv::Matx33d homography = image_from_board(at(number), board.tag_m, quad);
-  const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * board.tag_m);
+  const double half = 0.5 * board.tag_m;
   for (const auto& [other, corners] : found) {
     if (other == number || (at(other).upper_left - at(number).upper_left).norm() > 2.1 * board.square_m) continue;
-    const cv::Point2f said = mapped(homography, at(other).upper_left + half);
+    const cv::Point2f said = mapped(homography, at(other).upper_left.x() + half, at(other).upper_left.y() + half);
     if (cv::norm(said - center_of(corners)) <
         neighbor_tolerance * std::max(shortest_side(quad), shortest_side(corners)))
       return true;
@@ -206,19 +67,82 @@ bool agrees(int number, const FoundTags& found, const std::vector<BoardTag>& tag
   return false;
 }
 
-/// Without tags that were misread, and with the first corner where the board has it: printed grids have their tags
-/// turned by any multiple of 90 degrees, all alike.
-FoundTags agreeing(const FoundTags& found, const std::vector<BoardTag>& tags, const Board& board) {
-  FoundTags best;
+/// Tags of a board in an image.
+struct BoardTags {
+  FoundTags found;
+  std::size_t turns = 0;  ///< By which each is turned on the board: printed grids have all tags turned alike.
+};
+
+/// Without tags that were misread, and with the first corner where the board has it.
+BoardTags agreeing(const FoundTags& found, const std::vector<BoardTag>& tags, const Board& board) {
+  BoardTags best;
   const std::size_t most_turns = board.kind == BoardKind::apriltag ? 4 : 1;
   for (std::size_t turns = 0; turns < most_turns; ++turns) {
     FoundTags all, good;
     for (const auto& [number, quad] : found) all[number] = turned(quad, turns);
     for (const auto& [number, quad] : all)
       if (agrees(number, all, tags, board)) good[number] = quad;
-    if (good.size() > best.size()) best = std::move(good);
+    if (good.size() > best.found.size()) best = {std::move(good), turns};
   }
   return best;
+}
+
+/// Where a tag should be, as the tags beside it say; nullopt where there are none.
+std::optional<TagQuad> predicted_tag(const BoardTag& tag, const FoundTags& found, const std::vector<BoardTag>& tags,
+                                     const Board& board, double reach) {
+  std::vector<cv::Point2d> flat, seen;
+  const auto corners_of = [&](const BoardTag& of) {
+    const double x = of.upper_left.x(), y = of.upper_left.y(), s = board.tag_m;
+    return std::array<cv::Point2d, 4>{{{x, y}, {x + s, y}, {x + s, y + s}, {x, y + s}}};
+  };
+  for (const auto& [number, quad] : found) {
+    const BoardTag& other = tags[static_cast<std::size_t>(number)];
+    if ((other.upper_left - tag.upper_left).norm() > reach * board.square_m) continue;
+    for (const cv::Point2d& corner : corners_of(other)) flat.push_back(corner);
+    seen.insert(seen.end(), quad.begin(), quad.end());
+  }
+  if (flat.empty()) return std::nullopt;
+  const cv::Mat homography = cv::findHomography(flat, seen);
+  if (homography.empty()) return std::nullopt;
+  const auto corners = corners_of(tag);
+  TagQuad quad;
+  std::transform(corners.begin(), corners.end(), quad.begin(), [&](const cv::Point2d& corner) {
+    return mapped(cv::Matx33d(homography.ptr<double>()), corner.x, corner.y);
+  });
+  return quad;
+}
+
+bool inside(const TagQuad& quad, const cv::Mat& image) {
+  const auto width = static_cast<float>(image.cols), height = static_cast<float>(image.rows);
+  return std::all_of(quad.begin(), quad.end(), [&](const cv::Point2f& corner) {
+    return corner.x >= 0.0F && corner.y >= 0.0F && corner.x < width && corner.y < height;
+  });
+}
+
+/// Reads tags that were overlooked where the tags beside them say that they are: only the board's own counts there.
+void add_overlooked(const cv::Mat& image, const std::vector<BoardTag>& tags, const Board& board,
+                    const TagReader& reader, BoardTags& all) {
+  for (std::size_t before = 0; before < all.found.size();) {
+    before = all.found.size();
+    FoundTags more;
+    for (const BoardTag& tag : tags) {
+      if (all.found.contains(tag.id)) continue;
+      const auto quad = predicted_tag(tag, all.found, tags, board, 2.1);
+      if (!quad || !inside(*quad, image)) continue;
+      const auto read = read_tag(image, *quad, *reader.dictionary, reader.border_cells);
+      if (read && read->id == tag.id && (read->turns + all.turns) % 4 == 0) more[tag.id] = *quad;
+    }
+    all.found.merge(more);
+  }
+}
+
+/// Each tag where it and the tags beside it say that it is: outlines are a pixel off where corners are acute, and the
+/// search for a corner would end at another one.
+FoundTags smoothed(const FoundTags& found, const std::vector<BoardTag>& tags, const Board& board) {
+  FoundTags result;
+  for (const auto& [number, quad] : found)
+    result[number] = predicted_tag(tags[static_cast<std::size_t>(number)], found, tags, board, 1.5).value_or(quad);
+  return result;
 }
 
 /// Where a corner should be, and half the window that holds no other edge; pixels.
@@ -241,8 +165,8 @@ std::map<int, Expected> expected_squares(const FoundTags& found, const std::vect
     for (const auto& [number, quad] : found) {
       const BoardTag& tag = tags[static_cast<std::size_t>(number)];
       if ((tag.upper_left + half - points[corner]).lpNorm<Eigen::Infinity>() > 0.6 * board.square_m) continue;
-      sum += mapped(image_from_board(tag, board.tag_m, quad), points[corner]);
-      side = std::min(side, shortest_side(quad));
+      sum += mapped(image_from_board(tag, board.tag_m, quad), points[corner].x(), points[corner].y());
+      side = std::min(side, narrowest_width(quad));
       ++beside;
     }
     if (beside == 2) expected[static_cast<int>(corner)] = {sum * 0.5F, side * gap_share};
@@ -257,7 +181,7 @@ std::map<int, Expected> expected_tag_corners(const FoundTags& found, const Board
   std::map<int, Expected> expected;
   for (const auto& [number, quad] : found)
     for (int k = 0; k < 4; ++k)
-      expected[4 * number + k] = {quad[static_cast<std::size_t>(k)], shortest_side(quad) * share};
+      expected[4 * number + k] = {quad[static_cast<std::size_t>(k)], narrowest_width(quad) * share};
   return expected;
 }
 
@@ -288,7 +212,8 @@ DetectedBoard refined(const cv::Mat& full, int factor, const std::map<int, Expec
     const cv::Point2f before = at.front();
     if (!inside(before)) continue;
     cv::cornerSubPix(full, at, {half, half}, {-1, -1}, stop);
-    if (!inside(at.front()) || at.front() == before) continue;  // It stays where it was when it does not converge.
+    // It stays where it was when it does not converge.
+    if (!inside(at.front()) || at.front() == before || cv::norm(at.front() - before) > most_off * factor) continue;
     result.corners.push_back(corner);
     result.pixels.emplace_back(at.front().x, at.front().y);
   }
@@ -307,13 +232,15 @@ Search search_image(const cv::Mat& full, const Board& board, const std::vector<B
   const int largest = std::max(full.cols, full.rows);
   // Kalibr's tags have a border of two cells.
   const int most_border = board.kind == BoardKind::apriltag ? 2 : 1;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number(board.tags).value_or(0));
   for (int factor = std::max(1, (largest + search_size / 2) / search_size);; factor = (factor + 1) / 2) {
     const cv::Mat small = reduced_image(full, factor);
+    const std::vector<TagQuad> quads = dark_quads(small);
     for (int border = 1; border <= most_border && best.tags.size() < 2; ++border) {
-      const auto count = static_cast<int>(tags.size());
-      const FoundTags found = board.kind == BoardKind::apriltag ? search_grid(small, board, count, border)
-                                                                : search_tags(small, board, count);
-      best = {agreeing(found, tags, board), factor, border};
+      const TagReader reader{dictionary, static_cast<int>(tags.size()), border};
+      BoardTags read = agreeing(read_tags(small, quads, reader), tags, board);
+      add_overlooked(small, tags, board, reader, read);
+      best = {smoothed(read.found, tags, board), factor, border};
     }
     // As with chessboards: tags far away may be too small.
     if (best.tags.size() >= 2 || factor == 1 || factor > 2) return best;

@@ -47,23 +47,38 @@ std::array<bool, ninths * ninths> empty_ninths(const std::array<bool, cells_a_si
   return empty;
 }
 
-/// Whole sides by one name, the ninths beside them by their own.
+/// Whether the outermost cells of a side have no corner; sides in the order left, right, upper, lower.
+bool edge_empty(const std::array<bool, cells_a_side * cells_a_side>& seen, std::size_t side) {
+  constexpr std::size_t last = cells_a_side - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    const std::size_t x = side == 0 ? 0 : side == 1 ? last : k;
+    const std::size_t y = side == 2 ? 0 : side == 3 ? last : k;
+    if (seen[y * cells_a_side + x]) return false;
+  }
+  return true;
+}
+
+/// Whole sides by one name, the ninths beside them by their own; edges where the side behind them was seen.
 void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& seen, BoardCoverage& coverage) {
   constexpr const char* names[] = {"upper left", "top",        "upper right", "left",       "center",
                                    "right",      "lower left", "bottom",      "lower right"};
   struct Side {
-    const char* name;
+    const char *name, *edge;
     std::array<std::size_t, 3> parts;
   };
-  constexpr Side sides[] = {{"the whole left side", {0, 3, 6}},
-                            {"the whole right side", {2, 5, 8}},
-                            {"the whole upper side", {0, 1, 2}},
-                            {"the whole lower side", {6, 7, 8}}};
+  constexpr Side sides[] = {{"the whole left side", "the left edge", {0, 3, 6}},
+                            {"the whole right side", "the right edge", {2, 5, 8}},
+                            {"the whole upper side", "the upper edge", {0, 1, 2}},
+                            {"the whole lower side", "the lower edge", {6, 7, 8}}};
   const auto empty = empty_ninths(seen);
   auto unnamed = empty;
   int whole = 0;
-  for (const auto& [name, parts] : sides) {
-    if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) continue;
+  for (std::size_t side = 0; side < std::size(sides); ++side) {
+    const auto& [name, edge, parts] = sides[side];
+    if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) {
+      if (edge_empty(seen, side)) coverage.missing.emplace_back(edge);
+      continue;
+    }
     coverage.missing.emplace_back(name);
     for (const std::size_t k : parts) unnamed[k] = false;
     ++whole;
@@ -141,6 +156,58 @@ void doubt_halves(const CrossValidation& halves, bool explained, CalibrationTrus
   }
 }
 
+/// Projections at places of the image that both halves have: their difference, and how it is spread by noise.
+struct HalvesInImage {
+  double squared_px = 0.0;     ///< Sum over the places.
+  Eigen::MatrixXd by_a, by_b;  ///< Derivatives of the projections by the parameters of each half, two rows a place.
+};
+
+HalvesInImage halves_in_image(const CameraCalibration& calibration, std::size_t camera, int width, int height) {
+  const BoardSolution &a = calibration.halves[0], &b = calibration.halves[1];
+  const ProjectionDifference difference =
+      projection_difference(a.problem.lenses[camera], b.problem.lenses[camera], width, height, 16);
+  const Eigen::Index most = 2 * difference.x.columns * difference.x.rows;
+  HalvesInImage halves{0.0, Eigen::MatrixXd(most, a.parameters.count), Eigen::MatrixXd(most, b.parameters.count)};
+  Eigen::Index rows = 0;
+  for (int row = 0; row < difference.x.rows; ++row)
+    for (int column = 0; column < difference.x.columns; ++column) {
+      const Eigen::Vector2d pixel = map_pixel(difference.x, column, row, width, height);
+      const auto by_a = projection_by_parameters(a, camera, pixel, 0.0);
+      const auto by_b = projection_by_parameters(b, camera, pixel, 0.0);
+      const double x = difference.x.at(column, row), y = difference.y.at(column, row);
+      if (!by_a || !by_b || !std::isfinite(x) || !std::isfinite(y)) continue;
+      halves.squared_px += x * x + y * y;
+      halves.by_a.middleRows<2>(rows) = *by_a;
+      halves.by_b.middleRows<2>(rows) = *by_b;
+      rows += 2;
+    }
+  halves.by_a.conservativeResize(rows, Eigen::NoChange);
+  halves.by_b.conservativeResize(rows, Eigen::NoChange);
+  return halves;
+}
+
+/// By how much the root of a mean of squares may exceed what is expected of it, at 1 in 1000, where it has so many
+/// degrees of freedom (Wilson and Hilferty 1931).
+double most_by_chance(double freedom) {
+  const double spread = 2.0 / (9.0 * freedom);
+  return std::sqrt(std::pow(1.0 - spread + 3.09 * std::sqrt(spread), 3));
+}
+
+void compare_projections(const CameraCalibration& calibration, std::size_t camera, int width, int height,
+                         CrossValidation& result) {
+  const HalvesInImage halves = halves_in_image(calibration, camera, width, height);
+  const double places = std::max(1.0, 0.5 * static_cast<double>(halves.by_a.rows()));
+  const Eigen::MatrixXd covariance = halves.by_a * calibration.half_covariances[0] * halves.by_a.transpose() +
+                                     halves.by_b * calibration.half_covariances[1] * halves.by_b.transpose();
+  result.difference_px = std::sqrt(halves.squared_px / places);
+  result.expected_px = std::sqrt(covariance.trace() / places);
+  // Where few boards were, one direction of all parameters may make up most of the difference: the mean over the image
+  // then has hardly more than one degree of freedom (Satterthwaite 1946).
+  const double freedom = std::max(1.0, std::pow(covariance.trace(), 2) / std::max(1e-300, covariance.squaredNorm()));
+  // Corners of one board share blur and shading, which the noise of single corners does not know: so twice is allowed.
+  result.agree = result.difference_px <= std::max(2.0, most_by_chance(freedom)) * result.expected_px;
+}
+
 }  // namespace
 
 BoardCoverage board_coverage(const BoardSolution& solution, std::size_t camera, int width, int height) {
@@ -194,24 +261,7 @@ CrossValidation cross_validate(const CameraCalibration& calibration, std::size_t
   const Eigen::MatrixXd unit = scale.asDiagonal() * both * scale.asDiagonal();
   const Eigen::VectorXd scaled = scale.cwiseProduct(apart);
   result.chi_square = scaled.dot(unit.ldlt().solve(scaled)) / static_cast<double>(size);
-  const ProjectionDifference difference = projection_difference(lens_a, lens_b, width, height, 16);
-  double squared = 0.0, expected = 0.0;
-  int count = 0;
-  for (int row = 0; row < difference.x.rows; ++row)
-    for (int column = 0; column < difference.x.columns; ++column) {
-      const Eigen::Vector2d pixel = map_pixel(difference.x, column, row, width, height);
-      const auto in_a = projection_covariance(a, calibration.half_covariances[0], camera, pixel, 0.0);
-      const auto in_b = projection_covariance(b, calibration.half_covariances[1], camera, pixel, 0.0);
-      const double x = difference.x.at(column, row), y = difference.y.at(column, row);
-      if (!in_a || !in_b || !std::isfinite(x) || !std::isfinite(y)) continue;
-      squared += x * x + y * y;
-      expected += in_a->trace() + in_b->trace();
-      ++count;
-    }
-  result.difference_px = std::sqrt(squared / std::max(1, count));
-  result.expected_px = std::sqrt(expected / std::max(1, count));
-  // Corners of one board share blur and shading, which the noise of single corners does not know: so twice is allowed.
-  result.agree = result.difference_px <= 2.0 * result.expected_px;
+  compare_projections(calibration, camera, width, height, result);
   return result;
 }
 

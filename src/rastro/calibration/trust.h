@@ -13,7 +13,7 @@ struct BoardCoverage {
   double image_share = 0.0;                           ///< Of 6x6 cells of the image with a corner.
   double largest_tilt_deg[4] = {0.0, 0.0, 0.0, 0.0};  ///< Left, right, up, down: of the board's normal.
   double nearest_m = 0.0, farthest_m = 0.0;
-  std::vector<std::string> missing;  ///< "lower left", "boards tilted up"; empty where nothing is.
+  std::vector<std::string> missing;  ///< "lower left", "the left edge", "tilted boards"; empty where nothing is.
 };
 BoardCoverage board_coverage(const BoardSolution& solution, std::size_t camera, int width, int height);
 
