@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "rastro/dataset/check.h"
 #include "rastro/dataset/dataset_testing.h"
 #include "rastro/dataset/describe.h"
 
@@ -76,6 +77,9 @@ TEST_F(RegisteredDepth, RawDepthIsThatOfTheDepthCamera) {
 TEST_F(RegisteredDepth, DepthOfAnotherSizeThanItsCameraEndsTheRecording) {
   folder_.write("camera.yaml", calibration(20));
   EXPECT_THROW(first(depth_wanted()), UnusableSource);
+  EXPECT_EQ(check(folder_.path(), {}, {}).size_changes.size(), 2U);
+  folder_.write("camera.yaml", calibration());
+  EXPECT_TRUE(check(folder_.path(), {}, {}).size_changes.empty());
 }
 
 }  // namespace

@@ -137,6 +137,29 @@ int see_dummy() {
   return is_good && warns ? 0 : 1;
 }
 
+bool is_same(const Frame& frame, const Given& given) {
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto depth = static_cast<float>(given.depth[static_cast<std::size_t>(y * width + x)]) * 0.001F;
+      if (std::abs(frame.depth.at(x, y) - depth) > 1e-6F) return false;
+    }
+  return true;
+}
+
+struct Matches {
+  int same = 0, other = 0;  ///< Frames with the depth that was given at their stamp, and with another one.
+};
+
+/// `later`: by how much the stamps as they were given are behind those of the recording, which begin at 0.
+Matches match(const std::vector<Frame>& frames, const std::vector<Given>& given, std::int64_t later_us) {
+  Matches matches;
+  for (const Frame& frame : frames)
+    for (const Given& each : given)
+      if (frame.depth_stamp / 1000 + later_us == static_cast<std::int64_t>(each.stamp_us))
+        (is_same(frame, each) ? matches.same : matches.other)++;
+  return matches;
+}
+
 class OpenNi2 : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -171,19 +194,19 @@ TEST_F(OpenNi2, ARecordingIsPlayedAsItWasRecordedAndItsEndIsTold) {
   // OpenNI2 keeps the newest image alone: on a busy machine some are missed.
   ASSERT_GE(frames.size(), 3U);
   for (const Frame& frame : frames) {
-    // The recorder's stamps begin at 0.
-    const auto stamp_us = static_cast<std::uint64_t>(frame.depth_stamp / 1000) + given.front().stamp_us;
-    const auto was =
-        std::find_if(given.begin(), given.end(), [&](const Given& each) { return each.stamp_us == stamp_us; });
-    ASSERT_NE(was, given.end()) << stamp_us;
     ASSERT_EQ(frame.depth.width(), width);
     EXPECT_EQ(frame.color.width(), width);
     EXPECT_LE(std::abs(frame.stamp - frame.depth_stamp), 20'000'000);
-    for (int y = 0; y < height; y += 7)
-      for (int x = 0; x < width; x += 5)
-        ASSERT_NEAR(frame.depth.at(x, y), 0.001 * was->depth[static_cast<std::size_t>(y * width + x)], 1e-6)
-            << x << ' ' << y;
   }
+  // Which one was given first is not told.
+  Matches best;
+  for (const Given& each : given) {
+    const auto matches =
+        match(frames, given, static_cast<std::int64_t>(each.stamp_us) - frames.front().depth_stamp / 1000);
+    if (matches.same > best.same) best = matches;
+  }
+  EXPECT_GE(best.same, 3);
+  EXPECT_EQ(best.other, 0);
 }
 
 TEST_F(OpenNi2, WhatIsNoRecordingSaysSo) {
