@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -49,19 +51,35 @@ class LiveImages {
 
   /// nullopt: none came, or none that belong together.
   std::optional<Frame> next() {
-    auto arrived = next_of(*left_, patience);
-    if (!arrived || !right_) return arrived ? std::optional(std::move(arrived->frame)) : std::nullopt;
-    while (auto newer = next_of(*right_, 0)) newest_right_ = std::move(newer);
-    if (!newest_right_ || std::abs(newest_right_->exposed - arrived->exposed) > longest_apart) return std::nullopt;
-    arrived->frame.right = newest_right_->frame.image;
-    return std::move(arrived->frame);
+    auto left = next_of(*left_, patience);
+    if (!left || !right_) return left;
+    // The next right image may be nearer than the last one.
+    while (right_frames_.empty() || right_frames_.back().stamp < left->stamp) {
+      auto right = next_of(*right_, longest_apart / 2);
+      if (!right) break;
+      right_frames_.push_back(std::move(*right));
+      if (right_frames_.size() > most_right) right_frames_.pop_front();
+    }
+    const auto distance = [&](const Frame& right) { return std::abs(right.stamp - left->stamp); };
+    while (right_frames_.size() > 1 && distance(right_frames_[1]) <= distance(right_frames_[0]))
+      right_frames_.pop_front();
+    if (right_frames_.empty() || distance(right_frames_.front()) > longest_apart) {
+      note_apart();
+      return std::nullopt;
+    }
+    apart_ = 0;
+    left->right = right_frames_.front().image;
+    return left;
   }
 
  private:
+  static constexpr std::size_t most_right = 32;
+
   /// A frame that cannot be read is passed over.
-  static std::optional<ArrivedFrame> next_of(LiveSource& source, TimeNs at_most) {
+  static std::optional<Frame> next_of(LiveSource& source, TimeNs at_most) {
     try {
-      return source.next(at_most);
+      auto arrived = source.next(at_most);
+      return arrived ? std::optional(std::move(arrived->frame)) : std::nullopt;
     } catch (const UnusableSource&) {
       throw;
     } catch (const Error& error) {
@@ -70,9 +88,18 @@ class LiveImages {
     }
   }
 
+  void note_apart() {
+    constexpr int many = 100;
+    if (++apart_ == many)
+      log_warning(
+          fmt::format("no image of --right is within {:g} s of those of DATA: are both on, and their clocks the same?",
+                      to_seconds(longest_apart)));
+  }
+
   SteadyClock clock_;
   std::unique_ptr<LiveSource> left_, right_;
-  std::optional<ArrivedFrame> newest_right_;
+  std::deque<Frame> right_frames_;
+  int apart_ = 0;  ///< Images of the left camera in a row without one of the right camera.
 };
 
 /// Says what changes, not what stays as it is.

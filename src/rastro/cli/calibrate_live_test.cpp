@@ -32,7 +32,7 @@ struct Ended {
 };
 
 /// `rastro calibrate` with these words.
-Ended run_rastro(const std::vector<std::string>& words) {
+Ended run_calibrate(const std::vector<std::string>& words) {
   CLI::App app;
   Context context;
   add_calibrate_command(app, context);
@@ -40,7 +40,9 @@ Ended run_rastro(const std::vector<std::string>& words) {
   testing::internal::CaptureStderr();
   Ended result;
   try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    std::vector<std::string> backward(words.rbegin(), words.rend());
+    backward.emplace_back("calibrate");
+    app.parse(backward);
     result.exit_code = context.exit_code;
   } catch (const Error& error) {
     result.exit_code = unusable;
@@ -114,31 +116,64 @@ void record(const std::string& folder, const SourceInfo& info, const std::vector
   }
 }
 
+const SE3 right_from_left(SO3::exp({0.004, -0.01, 0.003}), {-0.06, 0.001, 0.0005});
+
+/// `loose`: how many times as far off it may be.
+void expect_pair(const std::string& file, double loose) {
+  const Calibration pair = read_calibration(file);
+  ASSERT_EQ(pair.cameras.size(), 2U);
+  EXPECT_NEAR(pair.cameras[0].camera.fx, 260.0, 1.5 * loose);
+  EXPECT_NEAR(pair.cameras[1].camera.fx, 265.0, 1.5 * loose);
+  const SE3 off = *pair.cameras[1].camera_from_previous * right_from_left.inverse();
+  EXPECT_LT(off.translation().norm(), 0.001 * loose);
+}
+
 TEST(CalibrateLive, APairIsCalibratedFromViewsThatBothCamerasSee) {
   const ScratchFolder folder;
   const Lens left = lens_of(260.0), right = lens_of(265.0);
-  const SE3 right_from_left(SO3::exp({0.004, -0.01, 0.003}), {-0.06, 0.001, 0.0005});
   const BoardRenderer left_view(board, left, width, height), right_view(board, right, width, height);
   Random random(9);
   record(folder.path("pair"), {}, poses_of(left, 90), [&](const SE3& pose, Frame& frame) {
     frame.image = left_view.render(pose, 2.0, random);
     frame.right = right_view.render(right_from_left * pose, 2.0, random);
   });
-  const Ended done = run_rastro({"calibrate", "replay:" + folder.path("pair"), "--board", board_flag, "--stereo",
-                                 "--model", "pinhole4", "--out", folder.path("out"), "--json"});
+  const Ended done = run_calibrate({"replay:" + folder.path("pair"), "--board", board_flag, "--stereo", "--model",
+                                    "pinhole4", "--out", folder.path("out"), "--json"});
   ASSERT_EQ(done.exit_code, 0) << done.error;
-  const auto json = nlohmann::json::parse(done.out);
-  const Calibration pair = read_calibration(folder.path("out/camchain.yaml"));
-  ASSERT_EQ(pair.cameras.size(), 2U);
-  EXPECT_NEAR(pair.cameras[0].camera.fx, 260.0, 1.5);
-  EXPECT_NEAR(pair.cameras[1].camera.fx, 265.0, 1.5);
-  const SE3 off = *pair.cameras[1].camera_from_previous * right_from_left.inverse();
-  EXPECT_LT(off.translation().norm(), 0.001);
-  EXPECT_THAT(done.error, HasSubstr("view 20 taken")) << json.dump(1);
-  EXPECT_THAT(run_rastro({"calibrate", "replay:" + folder.path("pair"), "--board", board_flag, "--depth", "--out",
-                          folder.path("no")})
-                  .error,
-              HasSubstr("has no depth"));
+  expect_pair(folder.path("out/camchain.yaml"), 1.0);
+  EXPECT_THAT(done.error, HasSubstr("view 20 taken"));
+  EXPECT_THAT(
+      run_calibrate({"replay:" + folder.path("pair"), "--board", board_flag, "--depth", "--out", folder.path("no")})
+          .error,
+      HasSubstr("has no depth"));
+}
+
+TEST(CalibrateLive, TwoSourcesArePairedByTheirStamps) {
+  const ScratchFolder folder;
+  const Lens left = lens_of(260.0), right = lens_of(265.0);
+  const BoardRenderer left_view(board, left, width, height), right_view(board, right, width, height);
+  Random random(9);
+  RecordingWriter left_writer({}, folder.path("left")), right_writer({}, folder.path("right"));
+  int missing = 0;
+  TimeNs stamp = 0;
+  for (const SE3& pose : poses_of(left, 36)) {
+    Frame frame, beside;
+    frame.image = left_view.render(pose, 2.0, random);
+    beside.image = right_view.render(right_from_left * pose, 2.0, random);
+    // Its own clock: a few milliseconds later, and every fifth board is lost.
+    for (int k = 0; k < 2; ++k) {
+      frame.stamp = stamp += 110'000'000;
+      beside.stamp = stamp + 7'000'000;
+      left_writer.write(frame);
+      if (missing % 5 != 4) right_writer.write(beside);
+    }
+    ++missing;
+  }
+  const Ended done =
+      run_calibrate({"replay:" + folder.path("left"), "--right", "replay:" + folder.path("right"), "--board",
+                     board_flag, "--model", "pinhole4", "--most-views", "14", "--out", folder.path("out"), "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  expect_pair(folder.path("out/camchain.yaml"), 2.0);
 }
 
 TEST(CalibrateLive, ADepthCameraIsCalibrated) {
@@ -154,8 +189,8 @@ TEST(CalibrateLive, ADepthCameraIsCalibrated) {
     frame.image = view.render(pose, 2.0, random);
     frame.depth = depth_of(pose, camera, {}, 0.98F);
   });
-  const Ended done = run_rastro({"calibrate", "replay:" + folder.path("room"), "--board", board_flag, "--depth",
-                                 "--model", "pinhole4", "--out", folder.path("out"), "--json"});
+  const Ended done = run_calibrate({"replay:" + folder.path("room"), "--board", board_flag, "--depth", "--model",
+                                    "pinhole4", "--out", folder.path("out"), "--json"});
   ASSERT_EQ(done.exit_code, 0) << done.error;
   const std::string written = read_text_file(folder.path("out/camera.yaml"));
   const auto at = written.find("depth_factor: ");
@@ -181,8 +216,8 @@ TEST(CalibrateLive, DepthThatIsNotRegisteredIsPutIntoColorWithWhatWasMeasured) {
   });
   std::ofstream(folder.path("infrared.yaml")) << "camera_matrix: [140, 0, 79.5, 0, 140, 59.5, 0, 0, 1]\n";
   const Ended done =
-      run_rastro({"calibrate", "replay:" + folder.path("room"), "--board", board_flag, "--depth", "--depth-camera",
-                  folder.path("infrared.yaml"), "--model", "pinhole4", "--out", folder.path("out"), "--json"});
+      run_calibrate({"replay:" + folder.path("room"), "--board", board_flag, "--depth", "--depth-camera",
+                     folder.path("infrared.yaml"), "--model", "pinhole4", "--out", folder.path("out"), "--json"});
   ASSERT_EQ(done.exit_code, 0) << done.error;
   OpenOptions options;
   options.want_depth = true;
@@ -207,10 +242,10 @@ TEST(CalibrateLive, DepthThatIsNotRegisteredIsPutIntoColorWithWhatWasMeasured) {
 }
 
 TEST(CalibrateLive, FlagsThatDoNotGoTogetherAreAnError) {
-  const std::vector<std::string> begin = {"calibrate", "replay:x", "--board", board_flag, "--out", "/nowhere/out"};
+  const std::vector<std::string> begin = {"replay:x", "--board", board_flag, "--out", "/nowhere/out"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), begin.begin(), begin.end());
-    const Ended done = run_rastro(more);
+    const Ended done = run_calibrate(more);
     EXPECT_EQ(done.exit_code, 2);
     return done.error;
   };
