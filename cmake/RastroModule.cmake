@@ -267,7 +267,11 @@ function(rastro_add_module_tests)
         target_compile_definitions(rastro_export_test PRIVATE RASTRO_WITH_MCAP=$<BOOL:${RASTRO_WITH_MCAP}>)
         target_link_libraries(rastro_export_test PRIVATE ZLIB::ZLIB $<$<BOOL:${RASTRO_WITH_MCAP}>:protobuf::libprotobuf>)
       endif()
-      if(name STREQUAL "dataset")  # its tests write bags
+      if(name STREQUAL "dataset")  # its tests write bags and recordings of OpenNI2
+        target_compile_definitions(rastro_dataset_test PRIVATE RASTRO_WITH_OPENNI2=$<BOOL:${RASTRO_WITH_OPENNI2}>)
+        if(RASTRO_WITH_OPENNI2)
+          target_include_directories(rastro_dataset_test SYSTEM PRIVATE "${RASTRO_OPENNI2_INCLUDE_DIR}")
+        endif()
         target_include_directories(rastro_dataset_test SYSTEM PRIVATE ${RASTRO_ROSBAG_TEST_INCLUDE_DIRS})
         target_compile_definitions(rastro_dataset_test PRIVATE RASTRO_WITH_ROSBAG=$<BOOL:${RASTRO_WITH_ROSBAG}>)
         target_link_libraries(rastro_dataset_test PRIVATE ZLIB::ZLIB ${RASTRO_ROSBAG_TEST_LIBRARIES})

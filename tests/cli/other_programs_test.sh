@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # What rastro writes, read by the programs it is written for: other_programs_test.sh PROGRAM SCRATCH_FOLDER CASE
-# CASE is make_other (first), models, g2o, grid, clouds, octomap, numbers, tracks_yaml or video; or mrcal. A case whose program is missing ends with 77
+# CASE is make_other (first), models, g2o, grid, clouds, octomap, numbers, tracks_yaml or video; or mrcal or rtsp. A case whose program is missing ends with 77
 # (skipped) and says which package has it.
 set -euo pipefail
 rastro=$1
@@ -177,6 +177,32 @@ video() {
   done
 }
 
+# A network camera on the loopback interface.
+rtsp() {
+  need ffmpeg ffmpeg
+  need /usr/bin/python3 python3
+  /usr/bin/python3 "$(dirname "${BASH_SOURCE[0]}")/serve_rtsp.py" "$here/port" 15 2>"$here/server" &
+  rtsp_server=$!
+  trap 'kill "$rtsp_server" 2>/dev/null || true' EXIT
+  for _ in $(seq 100); do
+    [[ -f $here/port ]] && break
+    sleep 0.1
+  done
+  [[ -f $here/port ]] || fail "no camera: $(cat "$here/server")"
+  run record "rtsp://127.0.0.1:$(cat "$here/port")/camera" --frames 0:60 --out "$here/walk" --fov 60 --json
+  /usr/bin/python3 - "$here/stdout" "$here/walk/mav0/cam0" <<'PYTHON' || fail "what the camera sent: $(cat "$here/stdout")"
+import json, pathlib, sys
+recorded = json.load(open(sys.argv[1]))
+assert recorded["frames"] == 60 and recorded["skipped_frames"] == 0, recorded
+# Those of the first second or so come at once: FFmpeg keeps them while it looks what the stream is.
+assert 1.5 < recorded["seconds"] < 8, recorded["seconds"]
+images = list(pathlib.Path(sys.argv[2], "data").iterdir())
+assert len({image.read_bytes() for image in images}) > 10
+header = images[0].read_bytes()[16:24]
+assert (int.from_bytes(header[:4], "big"), int.from_bytes(header[4:], "big")) == (320, 240)
+PYTHON
+}
+
 # The same corners calibrated by mrcal: projections and their uncertainty. Recorded boards, and generated ones.
 mrcal() {
   need mrcal-calibrate-cameras mrcal
@@ -205,7 +231,7 @@ mrcal() {
 
 case $case_name in
   make_other) make_other ;;
-  models | g2o | grid | clouds | octomap | numbers | tracks_yaml | video | mrcal)
+  models | g2o | grid | clouds | octomap | numbers | tracks_yaml | video | mrcal | rtsp)
     rm -rf "$here" && mkdir -p "$here"
     $case_name "$@"
     ;;

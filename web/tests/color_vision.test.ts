@@ -20,8 +20,10 @@ test('the difference of two colors is CIEDE2000, and who has no green cones does
 const styled = (names: string[]) => Object.fromEntries(names.map((name, i) => [name, featureStyle(name, i).color]));
 const sets: Record<string, Record<string, string>> = {
   states: Object.fromEntries(['tracking', 'weak', 'lost', 'relocalized', 'initializing'].map((name) => [name, stateColor(name)])),
+  boards: Object.fromEntries(['taken', 'moving', 'nothing_new', 'one_camera', 'no_board'].map((name) => [name, stateColor(name)])),
   runs: Object.fromEntries(runColors.map((color, i) => [`run ${i + 1}`, color])),
   features: styled(['unmatched', 'matched', 'outlier', 'inlier', 'new', 're_identified']),
+  corners: styled(['corner', 'taken']),
   words: styled(['known_word', 'new_word', 'repeated_word', 'previous_word', 'shared_word']),
 };
 const visions: Vision[] = ['normal', 'deuteranopia', 'protanopia', 'tritanopia'];

@@ -9,7 +9,7 @@ import { LiveRecord } from '../src/live/record';
 import { parseScene } from '../src/scene/parse';
 import { SceneError } from '../src/scene/scene';
 import { damaged, damagedText } from './damage';
-import { allCommands, featureNames, frame, hello, image, lostFrame, manyFeatures, mapScene, place, status } from './live_run';
+import { allCommands, calibration, featureNames, frame, hello, image, lostFrame, manyFeatures, mapScene, place, status } from './live_run';
 import { random } from './scene_writer';
 
 const read = (message: object) => readText(JSON.stringify(message), 5);
@@ -22,6 +22,8 @@ test('messages are read as the protocol says', () => {
   assert.ok(lost?.type === 'frame' && lost.pose === null && lost.sigma === null && lost.reason === 'too_few_matches');
   assert.deepEqual(framed(3).stages[1], ['matching', 3.4]);
   assert.deepEqual(read(status({ mapping: null })), { type: 'status', paused: false, mapping: null, ended: false, line: '', resets: 0 });
+  const boards = read(calibration());
+  assert.ok(boards?.type === 'calibration' && boards.enoughViews === 20 && boards.cameras[0].missing[6] && !boards.cameras[0].seen[0] && boards.outlines[0].length === 8);
   assert.equal(read({ type: 'weather' }), null);
 });
 
@@ -60,7 +62,7 @@ test('an image is read with its features; a damaged one is refused', () => {
 
 test('20000 damaged messages give a message or a SceneError, never another fault', () => {
   const rnd = random(8);
-  const texts = [hello(), status(), frame(3), lostFrame(4), { type: 'scene', index: 0, revision: 3 }].map((m) => JSON.stringify(m));
+  const texts = [hello(), status(), frame(3), lostFrame(4), { type: 'scene', index: 0, revision: 3 }, calibration()].map((m) => JSON.stringify(m));
   const jpeg = new Uint8Array(100);
   const tracked = { jpeg, ...manyFeatures(20, 1), ids: [...Array(20).keys()], trails: Array.from({ length: 20 }, () => [1, 2, 3, 4]) };
   const blocks = [image(4, { jpeg, ...manyFeatures(20, 1) }), image(4, tracked), place(4, 7, tracked, { jpeg })];

@@ -15,6 +15,19 @@ export function status(options: object = {}): object {
   return { type: 'status', paused: false, mapping: true, ended: false, line: '', ...options };
 }
 
+/** Of boards that were not seen in the upper and lower left of the image. */
+export function coverage(options: object = {}): object {
+  const seen = Array.from({ length: 36 }, (_, k) => (k % 6 >= 2 ? 1 : 0));
+  return { name: '', seen, missing: [1, 0, 0, 0, 0, 0, 1, 0, 0], tilts: [23.2, 0, 4, 8.4], ...options };
+}
+
+export function calibration(options: object = {}): object {
+  return {
+    type: 'calibration', line: 'hold the board in the lower left of the image', views: 7, enough_views: 20, enough: false, wanted_tilt: 15,
+    missing: ['lower left', 'upper left', 'boards tilted up or down'], cameras: [coverage()], outlines: [[300, 100, 500, 110, 490, 250, 310, 240]], ...options,
+  };
+}
+
 /** Pose on a circle of 2 m around the origin; y points down. */
 export function poseAt(i: number): number[] {
   const angle = (i / 120) * Math.PI;

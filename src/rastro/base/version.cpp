@@ -14,7 +14,8 @@ const Version& version() {
                                     {"ROS bags", RASTRO_VERSION_WITH_ROSBAG != 0},
                                     {"MCAP", RASTRO_VERSION_WITH_MCAP != 0},
                                     {"Video4Linux2", RASTRO_VERSION_WITH_V4L2 != 0},
-                                    {"OpenNI2", RASTRO_VERSION_WITH_OPENNI2 != 0}}};
+                                    {"OpenNI2", RASTRO_VERSION_WITH_OPENNI2 != 0},
+                                    {"libfreenect", RASTRO_VERSION_WITH_FREENECT != 0}}};
   return instance;
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/camera/write_calibration.h"
 
 namespace rastro {
 namespace {
@@ -265,6 +266,7 @@ DepthCalibration calibrate_depth(const DepthCalibrationInput& input) {
   result.color_from_depth = free.model.color_from_depth;
   result.rotation_sigma_rad = free_sigmas.segment<3>(2).maxCoeff();
   result.translation_sigma_m = free_sigmas.tail<3>().maxCoeff();
+  if (!input.registered) result.depth_camera = input.depth_camera;
   judge(free, input.registered, result);
   return result;
 }
@@ -284,13 +286,12 @@ std::string depth_summary(const DepthCalibration& calibration) {
 }
 
 std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter) {
-  const Eigen::Matrix4d matrix = calibration.color_from_depth.matrix();
   std::string text = fmt::format(
-      "depth_factor: {:.10g}\ndepth_offset_m: {:.6g}\ndepth_sigma_m: {:.6g}\ndepth_sigma_per_m2: {:.6g}\n"
-      "color_from_depth: [",
+      "depth_factor: {:.10g}\ndepth_offset_m: {:.6g}\ndepth_sigma_m: {:.6g}\ndepth_sigma_per_m2: {:.6g}\n",
       units_per_meter / calibration.scale, calibration.offset_m, calibration.sigma_m, calibration.sigma_per_m2);
-  for (int i = 0; i < 16; ++i) text += fmt::format("{}{:.9g}", i == 0 ? "" : ", ", matrix(i / 4, i % 4));
-  return text + "]\n";
+  if (calibration.depth_camera)
+    text += depth_registration_text({*calibration.depth_camera, calibration.color_from_depth});
+  return text;
 }
 
 }  // namespace rastro

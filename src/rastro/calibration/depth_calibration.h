@@ -39,8 +39,9 @@ struct DepthCalibration {
   double offset_m = 0.0, offset_sigma_m = 0.0;
   /// Noise of a corrected reading: sigma_m + sigma_per_m2 * depth^2 (Khoshelham and Elberink 2012).
   double sigma_m = 0.0, sigma_per_m2 = 0.0;
-  SE3 color_from_depth;             ///< Estimated; where depth is registered, what it is off by.
-  double rotation_sigma_rad = 0.0;  ///< The largest of three.
+  SE3 color_from_depth;                ///< Estimated; where depth is registered, what it is off by.
+  std::optional<Camera> depth_camera;  ///< Where depth is not registered.
+  double rotation_sigma_rad = 0.0;     ///< The largest of three.
   double translation_sigma_m = 0.0;
   double nearest_m = 0.0, farthest_m = 0.0;  ///< Of the boards.
   std::vector<std::string> doubts;           ///< One plain line each.
@@ -55,7 +56,7 @@ DepthCalibration calibrate_depth(const DepthCalibrationInput& input);
 /// In words.
 std::string depth_summary(const DepthCalibration& calibration);
 /// The keys that rastro reads beside a camera's calibration: depth_factor (raw units per meter, given those of the
-/// recording) and depth_offset_m, and noise and registration for other programs.
+/// recording), depth_offset_m, and where depth is not registered depth_camera and color_from_depth; also the noise.
 std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter);
 
 }  // namespace rastro

@@ -17,10 +17,6 @@ const char* camera_name(const CalibrationReport& report, std::size_t camera) {
   return camera == 0 ? "left" : "right";
 }
 
-const char* trust_word(Trust trust) {
-  return trust == Trust::good ? "good" : trust == Trust::usable ? "usable, with doubts" : "do not use it";
-}
-
 /// Standard deviations of the relative pose of a pair: rotation (radians) and translation (meters).
 Eigen::VectorXd pair_sigmas(const CameraCalibration& calibration) {
   return calibration.covariance.diagonal()
@@ -165,6 +161,10 @@ nlohmann::ordered_json shape_json(const ShapeFinding& shape) {
 
 }  // namespace
 
+const char* trust_word(Trust trust) {
+  return trust == Trust::good ? "good" : trust == Trust::usable ? "usable, with doubts" : "do not use it";
+}
+
 std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& report) {
   std::vector<CalibratedCameraEntry> entries;
   const BoardProblem& problem = report.calibration.solution.problem;
@@ -172,6 +172,7 @@ std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& r
     CalibratedCameraEntry entry;
     entry.name = camera_name(report, camera);
     entry.camera = camera_of(problem.lenses[camera], report.input.width, report.input.height);
+    entry.camera.readout_s = report.readout_s;
     entry.calibration_error = report.calibration.lens_sigmas(camera)[0] / entry.camera.fx;
     if (camera == 1) entry.camera_from_previous = problem.right_from_left;
     entries.push_back(entry);

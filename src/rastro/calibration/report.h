@@ -18,7 +18,11 @@ struct CalibrationReport {
   std::vector<CalibrationTrust> trust;  ///< Per camera.
   int images = 0;                       ///< Searched for the board.
   std::optional<DepthCalibration> depth = {};
+  double readout_s = 0.0;  ///< Camera::readout_s, which images of a board that is held still do not tell.
 };
+
+/// The verdict in words.
+const char* trust_word(Trust trust);
 
 /// The cameras as calibration files have them: "left" and "right" of a pair, else "camera".
 std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& report);

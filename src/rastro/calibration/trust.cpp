@@ -12,8 +12,8 @@
 namespace rastro {
 namespace {
 
-constexpr int cells_a_side = 6;
-constexpr double wanted_tilt_deg = 15.0;
+constexpr int cells_a_side = BoardCoverage::cells_a_side;
+constexpr double wanted_tilt_deg = BoardCoverage::wanted_tilt_deg;
 
 double median_of_map(const ImageMap& map) {
   std::vector<double> values;
@@ -31,7 +31,7 @@ double largest_of_map(const ImageMap& map) {
   return largest;
 }
 
-constexpr int ninths = 3;  // A side.
+constexpr int ninths = BoardCoverage::ninths_a_side;
 
 /// Of the ninths of the image, row by row: those without a corner in most of their cells.
 std::array<bool, ninths * ninths> empty_ninths(const std::array<bool, cells_a_side * cells_a_side>& seen) {
@@ -59,7 +59,7 @@ bool edge_empty(const std::array<bool, cells_a_side * cells_a_side>& seen, std::
 }
 
 /// Whole sides by one name, the ninths beside them by their own; edges where the side behind them was seen.
-void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& seen, BoardCoverage& coverage) {
+void name_missing_regions(BoardCoverage& coverage) {
   constexpr const char* names[] = {"upper left", "top",        "upper right", "left",       "center",
                                    "right",      "lower left", "bottom",      "lower right"};
   struct Side {
@@ -70,13 +70,13 @@ void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& s
                             {"the whole right side", "the right edge", {2, 5, 8}},
                             {"the whole upper side", "the upper edge", {0, 1, 2}},
                             {"the whole lower side", "the lower edge", {6, 7, 8}}};
-  const auto empty = empty_ninths(seen);
+  const auto& empty = coverage.empty = empty_ninths(coverage.seen);
   auto unnamed = empty;
   int whole = 0;
   for (std::size_t side = 0; side < std::size(sides); ++side) {
     const auto& [name, edge, parts] = sides[side];
     if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) {
-      if (edge_empty(seen, side)) coverage.missing.emplace_back(edge);
+      if (edge_empty(coverage.seen, side)) coverage.missing.emplace_back(edge);
       continue;
     }
     coverage.missing.emplace_back(name);
@@ -93,13 +93,13 @@ void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& s
 
 void name_missing_tilts(BoardCoverage& coverage) {
   const double* tilt = coverage.largest_tilt_deg;
-  const bool left_right = std::max(tilt[0], tilt[1]) >= wanted_tilt_deg;
-  const bool up_down = std::max(tilt[2], tilt[3]) >= wanted_tilt_deg;
-  if (!left_right && !up_down) {
+  coverage.lacks_tilt_sideways = std::max(tilt[0], tilt[1]) < wanted_tilt_deg;
+  coverage.lacks_tilt_up_down = std::max(tilt[2], tilt[3]) < wanted_tilt_deg;
+  if (coverage.lacks_tilt_sideways && coverage.lacks_tilt_up_down) {
     coverage.missing.emplace_back("tilted boards");
-  } else if (!left_right) {
+  } else if (coverage.lacks_tilt_sideways) {
     coverage.missing.emplace_back("boards tilted to the left or right");
-  } else if (!up_down) {
+  } else if (coverage.lacks_tilt_up_down) {
     coverage.missing.emplace_back("boards tilted up or down");
   }
 }
@@ -212,7 +212,7 @@ void compare_projections(const CameraCalibration& calibration, std::size_t camer
 
 BoardCoverage board_coverage(const BoardSolution& solution, std::size_t camera, int width, int height) {
   BoardCoverage coverage;
-  std::array<bool, cells_a_side * cells_a_side> seen{};
+  auto& seen = coverage.seen;
   const SE3 from_left = camera == 0 ? SE3() : solution.problem.right_from_left;
   for (const BoardView& view : solution.problem.views) {
     if (static_cast<std::size_t>(view.camera) != camera) continue;
@@ -237,7 +237,7 @@ BoardCoverage board_coverage(const BoardSolution& solution, std::size_t camera, 
   }
   coverage.image_share =
       static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());
-  name_missing_regions(seen, coverage);
+  name_missing_regions(coverage);
   name_missing_tilts(coverage);
   return coverage;
 }

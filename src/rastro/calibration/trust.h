@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,11 @@ namespace rastro {
 
 /// Where and how the boards were seen by one camera.
 struct BoardCoverage {
+  static constexpr int cells_a_side = 6, ninths_a_side = 3;
+  static constexpr double wanted_tilt_deg = 15.0;           ///< To either of two opposite sides.
+  std::array<bool, cells_a_side * cells_a_side> seen{};     ///< Of the cells of the image, row by row: has a corner.
+  std::array<bool, ninths_a_side * ninths_a_side> empty{};  ///< Of the ninths: most of their cells have none.
+  bool lacks_tilt_sideways = true, lacks_tilt_up_down = true;
   double image_share = 0.0;                           ///< Of 6x6 cells of the image with a corner.
   double largest_tilt_deg[4] = {0.0, 0.0, 0.0, 0.0};  ///< Left, right, up, down: of the board's normal.
   double nearest_m = 0.0, farthest_m = 0.0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/camera/camera.h"
+#include "rastro/camera/depth_registration.h"
 #include "rastro/math/se3.h"
 
 namespace rastro {
@@ -26,6 +27,8 @@ struct CalibratedCameraEntry {
 struct Calibration {
   std::string format;                          ///< "euroc", "kitti_odometry", "kitti_raw", "opencv", "ros", "kalibr".
   std::vector<CalibratedCameraEntry> cameras;  ///< At least one.
+  /// rastro's own keys depth_camera and color_from_depth of an OpenCV or ROS file: depth is that of another camera.
+  std::optional<DepthRegistration> depth;
   /// Doubts about the file, one plain line each without the file's name (baseline sign, transforms that are not quite
   /// rigid). Does not include calibration_warnings() of each camera: call it once the image size is known.
   std::vector<std::string> warnings;

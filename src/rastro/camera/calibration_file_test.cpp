@@ -270,6 +270,42 @@ TEST(CalibrationFile, OpenCvStereoPair) {
   EXPECT_EQ(read.cameras[1].camera.distortion, Distortion::none);
 }
 
+TEST(CalibrationFile, RightPoseOfAnOpenCvPair) {
+  const std::string pair = with(with(opencv, "camera_matrix", "M1"), "distortion_coefficients", "D1") +
+                           "M2: [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\nD2: [0, 0, 0, 0]\n"
+                           "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.1, 0, 0]\n";
+  const Calibration read = parse(pair);
+  ASSERT_TRUE(read.cameras.at(1).camera_from_previous);
+  EXPECT_EQ(read.cameras[1].camera_from_previous->translation().x(), -0.1);
+  EXPECT_THAT(read.warnings, IsEmpty());
+  EXPECT_THAT(parse(with(pair, "T: [-0.1", "T: [0.1")).warnings, Contains(HasSubstr("LEFT")));
+  EXPECT_THAT(error_of(with(pair, "R: [1", "R: [2")), HasSubstr("R is not a rigid transform"));
+}
+
+const std::string own_depth =
+    "depth_camera:\n  image_width: 512\n  image_height: 424\n  camera_matrix: [365, 0, 256, 0, 365, 206, 0, 0, 1]\n"
+    "  distortion_model: plumb_bob\n  distortion_coefficients: [0.09, -0.27, 0, 0, 0.09]\n"
+    "color_from_depth: [1, 0, 0, 0.052, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
+
+TEST(CalibrationFile, DepthCameraBesideAColorCamera) {
+  EXPECT_FALSE(parse(ros).depth);
+  const Calibration read = parse(ros + own_depth);
+  ASSERT_TRUE(read.depth);
+  EXPECT_EQ(read.depth->depth_camera.height, 424);
+  EXPECT_EQ(read.depth->depth_camera.coefficients[1], -0.27);
+  EXPECT_EQ(read.depth->color_from_depth.translation().x(), 0.052);
+  EXPECT_EQ(read.cameras.at(0).camera.fy, 430.5) << "of the color camera";
+  EXPECT_THAT(error_of(ros + with(own_depth, "  image_width: 512\n", "")), HasSubstr("image_width"));
+  EXPECT_THAT(error_of(ros + with(own_depth, "color_from_depth", "color_from_dept")), HasSubstr("color_from_depth"));
+  EXPECT_THAT(error_of(ros + with(own_depth, "[1, 0, 0, 0.052", "[3, 0, 0, 0.052")), HasSubstr("rigid"));
+}
+
+TEST(CalibrationFile, ReadoutTimeOfARollingShutter) {
+  EXPECT_EQ(parse(ros).cameras.at(0).camera.readout_s, 0.0);
+  EXPECT_EQ(parse(ros + "readout_time: 0.026\n").cameras.at(0).camera.readout_s, 0.026);
+  EXPECT_THAT(error_of(ros + "readout_time: 26\n"), HasSubstr("seconds"));
+}
+
 TEST(CalibrationFile, Ros) {
   const Calibration read = parse(ros);
   EXPECT_EQ(read.format, "ros");

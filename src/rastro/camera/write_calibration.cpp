@@ -78,8 +78,12 @@ Rectified rectified(const std::vector<CalibratedCameraEntry>& pair, std::size_t 
   return result;
 }
 
-std::string error_line(const CalibratedCameraEntry& entry) {
-  return entry.calibration_error ? fmt::format("calibration_error: {:.6g}\n", *entry.calibration_error) : "";
+/// rastro's own keys.
+std::string own_lines(const CalibratedCameraEntry& entry) {
+  std::string lines;
+  if (entry.calibration_error) lines += fmt::format("calibration_error: {:.6g}\n", *entry.calibration_error);
+  if (entry.camera.readout_s > 0.0) lines += fmt::format("readout_time: {:.17g}\n", entry.camera.readout_s);
+  return lines;
 }
 
 }  // namespace
@@ -92,7 +96,20 @@ std::string ros_calibration_text(const std::vector<CalibratedCameraEntry>& pair,
          ros_matrix("camera_matrix", matrix_of(of)) + fmt::format("distortion_model: {}\n", ros_model(of.distortion)) +
          ros_matrix("distortion_coefficients", as_row(coefficients_to_write(of))) +
          ros_matrix("rectification_matrix", view.rectification) + ros_matrix("projection_matrix", view.projection) +
-         error_line(pair[camera]);
+         own_lines(pair[camera]);
+}
+
+std::string depth_registration_text(const DepthRegistration& depth) {
+  const Camera& camera = depth.depth_camera;
+  const auto matrix = [](const char* name, const Eigen::MatrixXd& values) {
+    return fmt::format("  {}: {{rows: {}, cols: {}, data: {}}}\n", name, values.rows(), values.cols(),
+                       numbers(row_by_row(values)));
+  };
+  return fmt::format("depth_camera:\n  image_width: {}\n  image_height: {}\n", camera.width, camera.height) +
+         matrix("camera_matrix", matrix_of(camera)) +
+         fmt::format("  distortion_model: {}\n", ros_model(camera.distortion)) +
+         matrix("distortion_coefficients", as_row(coefficients_to_write(camera))) +
+         fmt::format("color_from_depth: {}\n", numbers(row_by_row(depth.color_from_depth.matrix())));
 }
 
 std::string opencv_calibration_text(const std::vector<CalibratedCameraEntry>& cameras) {
@@ -103,14 +120,14 @@ std::string opencv_calibration_text(const std::vector<CalibratedCameraEntry>& ca
   if (cameras.size() == 1)
     return text + opencv_matrix("camera_matrix", matrix_of(first)) +
            opencv_matrix("distortion_coefficients", as_row(coefficients_to_write(first)).transpose()) +
-           error_line(cameras.front());
+           own_lines(cameras.front());
   const Camera& second = cameras.back().camera;
   text += opencv_matrix("M1", matrix_of(first)) + opencv_matrix("D1", as_row(coefficients_to_write(first))) +
           opencv_matrix("M2", matrix_of(second)) + opencv_matrix("D2", as_row(coefficients_to_write(second)));
   if (const auto& right_from_left = cameras.back().camera_from_previous)
     text +=
         opencv_matrix("R", right_from_left->rotation().matrix()) + opencv_matrix("T", right_from_left->translation());
-  return text + error_line(cameras.front());
+  return text + own_lines(cameras.front());
 }
 
 std::string kalibr_calibration_text(const std::vector<CalibratedCameraEntry>& cameras) {

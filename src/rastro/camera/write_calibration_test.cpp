@@ -26,6 +26,7 @@ std::vector<CalibratedCameraEntry> pair_of(Distortion distortion, double k3) {
 void expect_same(const Camera& read, const Camera& written) {
   EXPECT_EQ(read.width, written.width);
   EXPECT_EQ(read.height, written.height);
+  EXPECT_EQ(read.readout_s, written.readout_s);
   EXPECT_EQ(read.fx, written.fx);
   EXPECT_EQ(read.fy, written.fy);
   EXPECT_EQ(read.cx, written.cx);
@@ -43,6 +44,24 @@ TEST(WriteCalibrationTest, TheRationalModelIsReadBackFromRosAndOpenCv) {
   const Calibration one = parse_calibration(opencv_calibration_text({pair[0]}), "opencv.yaml");
   expect_same(one.cameras.at(0).camera, pair[0].camera);
   EXPECT_THROW(kalibr_calibration_text(pair), Error);
+}
+
+TEST(WriteCalibrationTest, ADepthCameraAndARollingShutterAreReadBack) {
+  auto pair = pair_of(Distortion::radial_tangential, 0.03);
+  pair[0].camera.readout_s = 0.026;
+  DepthRegistration depth{pair[1].camera, *pair[1].camera_from_previous};
+  for (const Distortion distortion : {Distortion::radial_tangential, Distortion::equidistant, Distortion::rational}) {
+    depth.depth_camera.distortion = distortion;
+    depth.depth_camera.coefficients[4] = distortion == Distortion::equidistant ? 0.0 : 0.03;
+    depth.depth_camera.coefficients[7] = distortion == Distortion::rational ? 0.01 : 0.0;
+    for (const std::string& color : {ros_calibration_text({pair[0]}, 0), opencv_calibration_text({pair[0]})}) {
+      const Calibration read = parse_calibration(color + depth_registration_text(depth), "camera.yaml");
+      expect_same(read.cameras.at(0).camera, pair[0].camera);
+      ASSERT_TRUE(read.depth.has_value());
+      expect_same(read.depth->depth_camera, depth.depth_camera);
+      EXPECT_LT((read.depth->color_from_depth.inverse() * depth.color_from_depth).log().norm(), 1e-12);
+    }
+  }
 }
 
 TEST(WriteCalibrationTest, EveryFormatIsReadBackWithTheSameNumbers) {
@@ -65,6 +84,8 @@ TEST(WriteCalibrationTest, EveryFormatIsReadBackWithTheSameNumbers) {
     EXPECT_EQ(one.cameras.at(0).calibration_error, 0.0012);
     const Calibration two = parse_calibration(opencv_calibration_text(pair), "opencv.yaml");
     ASSERT_EQ(two.cameras.size(), 2U);
+    ASSERT_TRUE(two.cameras[1].camera_from_previous.has_value());
+    EXPECT_LT((two.cameras[1].camera_from_previous->inverse() * *pair[1].camera_from_previous).log().norm(), 1e-12);
     for (std::size_t camera = 0; camera < 2; ++camera) expect_same(two.cameras[camera].camera, pair[camera].camera);
     const Calibration chain = parse_calibration(kalibr_calibration_text(pair), "camchain.yaml");
     ASSERT_EQ(chain.cameras.size(), 2U);

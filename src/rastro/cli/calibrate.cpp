@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -14,7 +15,10 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/common_flags.h"
 #include "rastro/cli/interrupt.h"
+#include "rastro/cli/live_boards.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/cli/scene_input.h"
+#include "rastro/cli/server_flags.h"
 #include "rastro/dataset/live/live.h"
 
 namespace rastro::cli {
@@ -35,10 +39,15 @@ Boards, sizes in meters:
 
 Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr; not of pinhole8), calibration.json,
 residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
-With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout.
+With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout and for
+live depth cameras. Of a depth camera that does not register its depth to the color image, --depth-camera FILE tells the
+lens (calibrate its infrared images); camera.yaml then has depth_camera and color_from_depth, and every command that is
+given this file, or a recording in TUM layout with it in its folder, puts depth into the color image. --readout-time of a
+rolling shutter is written into all files but Kalibr's.
 
 DATA may be live (v4l2:, http:, replay:, ...): hold the board still where it is asked for; views are taken by themselves
-until nothing is missing, or until Ctrl-C.
+until nothing is missing, or until Ctrl-C. A pair (--stereo, or --right with a second source) and a depth camera
+(--depth) too: 20 views that both cameras see, or boards near and twice as far.
 
 Examples:
   rastro calibrate --make-board chessboard:9x6:0.025 --out board.svg
@@ -47,6 +56,10 @@ Examples:
   rastro calibrate walk.mp4 --every 10 --board chessboard:9x6:0.025 --out camera --model equidistant
   rastro calibrate v4l2:/dev/video0 --board charuco:8x6:0.03:0.022 --out camera
   rastro calibrate room/ --board chessboard:9x6:0.06 --depth --out camera
+  rastro calibrate v4l2:/dev/video0 --board chessboard:9x6:0.025 --out camera --view
+  rastro calibrate openni2: --board chessboard:9x6:0.06 --depth --out camera
+  rastro calibrate room/ --board chessboard:9x6:0.06 --depth --depth-camera infrared/camera.yaml --out camera
+  rastro calibrate v4l2:/dev/video0 --right v4l2:/dev/video2 --board charuco:8x6:0.03:0.022 --out pair
   rastro calibrate 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025 --out pair --baseline 0.11)";
 
 struct Flags {
@@ -54,9 +67,11 @@ struct Flags {
   std::string board, make_board, right, out, model = "auto";
   double baseline_m = 0.0;
   std::size_t most_views = 100;
-  bool depth = false;
+  bool stereo = false, depth = false;
   std::string depth_camera;
   bool force = false;
+  bool view = false;
+  ServerFlags server;
 };
 
 LensModel model_named(const std::string& name) {
@@ -119,6 +134,11 @@ DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& r
   input.registered = flags.depth_camera.empty();
   input.depth_camera = input.registered ? camera_of(problem.lenses.front(), report.input.width, report.input.height)
                                         : read_calibration(flags.depth_camera).cameras.at(0).camera;
+  for (const DepthImage& depth : depths) {
+    if (input.depth_camera.width > 0 || depth.empty()) continue;
+    input.depth_camera.width = depth.width();
+    input.depth_camera.height = depth.height();
+  }
   input.focal_length_sigma = report.calibration.lens_sigmas(0)[0] / problem.lenses.front().parameters[0];
   input.low = input.high = problem.board.front();
   for (const Eigen::Vector2d& point : problem.board) {
@@ -139,43 +159,82 @@ void append_depth(const DepthCalibration& depth, double units_per_meter, const s
 /// What does not go together.
 void check_flags(const Flags& flags) {
   const bool live = is_live(flags.data.path);
-  if (live && !flags.right.empty()) throw Error("is for recordings", "--right", "record both cameras first");
-  if (live && flags.depth) throw Error("is for recordings", "--depth", "record the camera first: rastro record");
-  if (flags.depth && !flags.right.empty()) throw Error("is for one camera", "--depth", "omit --right");
+  if (!flags.right.empty() && live != is_live(flags.right))
+    throw Error(live ? "is a recording beside a live source" : "is a live source beside a recording", "--right",
+                "give two of the same kind");
+  if (flags.stereo && !flags.right.empty())
+    throw Error("is for sources that have both images", "--stereo", "omit it, or --right");
+  if (flags.depth && (flags.stereo || !flags.right.empty()))
+    throw Error("is for one camera", "--depth", "omit --stereo and --right");
   if (!flags.depth && !flags.depth_camera.empty()) throw Error("is for --depth", "--depth-camera", "add --depth");
 }
 
-void calibrate(const Flags& flags) {
+/// Null without --view.
+std::unique_ptr<LiveBoards> live_page(const Flags& flags) {
+  const bool has_server = flags.server.port || !flags.server.listen.empty() || !flags.server.token.empty();
+  if (!flags.view && has_server) throw Error("nothing is served", "--port, --listen, --token", "add --view");
+  if (!flags.view) return nullptr;
+  if (!is_live(flags.data.path)) throw Error("is for live sources", "--view", "give replay:DATA to see a recording");
+  LiveHello hello;
+  hello.title = scene_name(flags.out);
+  hello.method = "calibrate";
+  return std::make_unique<LiveBoards>(flags.server, hello, flags.stereo || !flags.right.empty() ? 2 : 1);
+}
+
+void require_task(const Flags& flags) {
   if (flags.data.path.empty()) throw Error("is missing", "DATA", "give images, a video or a recording of a board");
   if (flags.board.empty())
     throw Error("is missing", "--board",
                 "say what it shows: chessboard:9x6:0.025 (inner corners, side of a square); --help has the others");
+}
+
+BoardImages find_images(const Flags& flags, const Board& board, LiveBoards* page) {
+  const BoardSearchOptions search_for{flags.right, flags.most_views, flags.stereo, flags.depth,
+                                      !flags.depth_camera.empty()};
+  if (is_live(flags.data.path)) return find_boards_live(flags.data, board, search_for, page);
+  ProgressBar bar(!flags.data.quiet);
+  BoardImages found = find_boards(flags.data, board, search_for, bar);
+  bar.clear();
+  return found;
+}
+
+CalibrationReport report_of(const Flags& flags, const CalibrationOptions& options, BoardImages found) {
+  CalibrationReport report;
+  report.calibration = calibrate_camera(found.input, options);
+  report.input = std::move(found.input);
+  report.images = found.images;
+  report.readout_s = std::max(0.0, flags.data.readout_s);
+  for (std::size_t camera = 0; camera < (report.input.stereo ? 2U : 1U); ++camera)
+    report.trust.push_back(judge_calibration(report.calibration, camera, report.input.width, report.input.height));
+  if (report.input.stereo) judge_baseline(report.calibration, flags.baseline_m, report.trust.back());
+  if (flags.depth) report.depth = calibrate_depth(depth_input(flags, report, found.depths));
+  return report;
+}
+
+void calibrate(const Flags& flags) {
+  require_task(flags);
   const Board board = parse_board(flags.board);
   CalibrationOptions options;
   if (flags.model != "auto") options.model = model_named(flags.model);
   check_flags(flags);
   refuse_existing_output(flags);
   catch_interrupts();
-  ProgressBar bar(!flags.data.quiet);
-  BoardImages found = is_live(flags.data.path)
-                          ? find_boards_live(flags.data, board, flags.most_views)
-                          : find_boards(flags.data, board, {flags.right, flags.most_views, flags.depth}, bar);
-  bar.clear();
-  CalibrationReport report;
-  report.calibration = calibrate_camera(found.input, options);
-  report.input = std::move(found.input);
-  report.images = found.images;
-  for (std::size_t camera = 0; camera < (report.input.stereo ? 2U : 1U); ++camera)
-    report.trust.push_back(judge_calibration(report.calibration, camera, report.input.width, report.input.height));
-  if (report.input.stereo) judge_baseline(report.calibration, flags.baseline_m, report.trust.back());
-  if (flags.depth) report.depth = calibrate_depth(depth_input(flags, report, found.depths));
+  const std::unique_ptr<LiveBoards> page = live_page(flags);
+  BoardImages found = find_images(flags, board, page.get());
+  const double depth_factor = found.depth_factor;
+  const CalibrationReport report = report_of(flags, options, std::move(found));
   write_files(report, board, flags.out);
-  if (report.depth) append_depth(*report.depth, found.depth_factor, std::filesystem::path(flags.out) / "camera.yaml");
+  if (report.depth) append_depth(*report.depth, depth_factor, std::filesystem::path(flags.out) / "camera.yaml");
   if (flags.data.json) {
     fmt::print("{}", calibration_json(report));
   } else if (!flags.data.quiet) {
     fmt::print("{}files written to {}\n", calibration_summary(report), flags.out);
   }
+  if (!page) return;
+  Trust worst = Trust::good;
+  for (const CalibrationTrust& camera : report.trust) worst = std::max(worst, camera.trust);
+  page->finish(fmt::format("calibrated from {} views: {}", report.input.frames.size(), trust_word(worst)));
+  page->wait_until_closed();
 }
 
 void add_flags(CLI::App& command, Flags& flags) {
@@ -186,8 +245,11 @@ void add_flags(CLI::App& command, Flags& flags) {
   command.add_option("--out", flags.out, "Output folder; with --make-board the .svg or .pdf file")
       ->type_name("DIR")
       ->required();
-  command.add_option("--right", flags.right, "Images of the right camera of a pair, one for each of DATA")
+  command
+      .add_option("--right", flags.right,
+                  "Images of the right camera of a pair, one for each of DATA, or a second live source")
       ->type_name("DATA");
+  command.add_flag("--stereo", flags.stereo, "Both cameras of DATA, a recording or replay of a stereo pair");
   command
       .add_option("--baseline", flags.baseline_m,
                   "Known baseline of the pair in meters: checks the size of the squares, which images alone cannot")
@@ -212,6 +274,9 @@ void add_flags(CLI::App& command, Flags& flags) {
   command.add_option("--make-board", flags.make_board, "Writes a board to print instead of calibrating")
       ->type_name("KIND:COLUMNSxROWS:...");
   command.add_flag("--force", flags.force, "Overwrite --out");
+  command.add_flag("--view", flags.view,
+                   "Shows a live calibration in a browser: the image, the corners, and where to hold the board next");
+  add_server_flags(command, flags.server, "Viewer");
 }
 
 }  // namespace

@@ -22,13 +22,13 @@ constexpr double least_motion = 0.01;
 /// One moment: where the board is in one image or both.
 struct FoundBoard {
   std::string name;
-  std::optional<DetectedBoard> corners[2];
+  FoundBoards corners;
   DepthImage depth;  ///< Where it is wanted.
 };
 
 bool near_known(const FoundBoard& found, const std::vector<FoundBoard>& known, double distance) {
   for (const FoundBoard& other : known)
-    for (int camera = 0; camera < 2; ++camera)
+    for (const std::size_t camera : {0U, 1U})
       if (found.corners[camera] && other.corners[camera] &&
           board_motion(*found.corners[camera], *other.corners[camera]) < distance)
         return true;
@@ -71,20 +71,14 @@ std::optional<Frame> next_readable(Source& source) {
   }
 }
 
-/// The ends of a chessboard look alike: in both images of a pair the same one must be first.
-void order_like_left(FoundBoard& found) {
-  if (!found.corners[0] || !found.corners[1]) return;
-  std::vector<Eigen::Vector2d>& right = found.corners[1]->pixels;
-  const Eigen::Vector2d left_way = found.corners[0]->pixels.back() - found.corners[0]->pixels.front();
-  if (left_way.dot(right.back() - right.front()) < 0.0) std::reverse(right.begin(), right.end());
-}
-
-std::unique_ptr<Source> open_images(const std::string& path, OpenOptions options, bool want_depth) {
-  options.want_depth = want_depth;
+std::unique_ptr<Source> open_images(const std::string& path, OpenOptions options,
+                                    const BoardSearchOptions& search_for) {
+  options.want_depth = search_for.want_depth;
+  options.raw_depth = search_for.raw_depth;
+  options.want_right = search_for.stereo;
   std::unique_ptr<Source> source = rastro::open(path, options);
   if (!source->info().has_image) throw Error("has no images", path, "give images, a video or a recording of a camera");
-  if (want_depth && !source->info().has_depth)
-    throw Error("has no depth", path, "omit --depth, or give a recording that has");
+  require_images(source->info(), search_for);
   return source;
 }
 
@@ -108,37 +102,53 @@ void add_views(std::vector<FoundBoard>& found, std::size_t most, BoardImages& re
     const int frame = static_cast<int>(input.frames.size());
     input.frames.push_back(board.name);
     result.depths.push_back(std::move(board.depth));
-    for (int camera = 0; camera < 2; ++camera) {
+    for (const std::size_t camera : {0U, 1U}) {
       if (!board.corners[camera]) continue;
-      input.views.push_back({frame, camera, board.corners[camera]->corners, board.corners[camera]->pixels});
+      input.views.push_back(
+          {frame, static_cast<int>(camera), board.corners[camera]->corners, board.corners[camera]->pixels});
     }
   }
 }
 
+/// Both images of a frame, searched; the right one is of the second source, where there is one.
+FoundBoard search_frame(BoardSearch& search, const Frame& frame, Source* right_source, const std::string& right) {
+  FoundBoard now{frame.name, {search.search(frame.image, frame.name), std::nullopt}, {}};
+  if (right_source != nullptr) {
+    const auto right_frame = next_readable(*right_source);
+    if (!right_frame) throw Error("has fewer images than DATA", right, "give one image for each of the left camera");
+    now.corners[1] = search.search(right_frame->image, right_frame->name);
+  } else if (!frame.right.empty()) {
+    now.corners[1] = search.search(frame.right, frame.name);
+  }
+  return now;
+}
+
 }  // namespace
+
+void require_images(const SourceInfo& info, const BoardSearchOptions& search_for) {
+  if (search_for.stereo && !info.has_right)
+    throw Error("has no right images", info.path, "give those of the right camera with --right");
+  if (search_for.want_depth && !info.has_depth)
+    throw Error("has no depth", info.path, "omit --depth, or give a recording that has");
+}
 
 BoardImages find_boards(const DataFlags& flags, const Board& board, const BoardSearchOptions& search_for,
                         ProgressBar& bar) {
   const std::string& right = search_for.right;
-  const auto left_source = open_images(flags.path, open_options(flags), search_for.want_depth);
+  const auto left_source = open_images(flags.path, open_options(flags), search_for);
   const std::unique_ptr<Source> right_source =
-      right.empty() ? std::unique_ptr<Source>() : open_images(right, open_options(flags), false);
+      right.empty() ? std::unique_ptr<Source>() : open_images(right, open_options(flags), {});
   BoardImages result;
   result.input.board = board.points();
-  result.input.stereo = right_source != nullptr;
+  result.input.stereo = search_for.is_pair();
   result.depth_factor = left_source->info().depth_factor;
   BoardSearch search(board, result);
   std::vector<FoundBoard> found;
   const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, left_source->info().frame_count));
   for (std::size_t read = 0; auto frame = next_readable(*left_source); ++read) {
     stop_if_interrupted();
-    FoundBoard now{frame->name, {search.search(frame->image, frame->name), std::nullopt}, {}};
-    if (right_source) {
-      const auto right_frame = next_readable(*right_source);
-      if (!right_frame) throw Error("has fewer images than DATA", right, "give one image for each of the left camera");
-      now.corners[1] = search.search(right_frame->image, right_frame->name);
-    }
-    if (board.kind == BoardKind::chessboard) order_like_left(now);
+    FoundBoard now = search_frame(search, *frame, right_source.get(), right);
+    if (board.kind == BoardKind::chessboard) order_like_left(now.corners);
     if (now.corners[0] || now.corners[1]) {
       if (near_known(now, found, least_motion * result.input.width)) {
         ++result.near_another;

@@ -7,6 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/cli/command.h"
+#include "rastro/dataset/live/freenect_system.h"
 #include "rastro/dataset/live/openni2.h"
 #include "rastro/dataset/live/usb_cameras.h"
 #include "rastro/dataset/live/v4l2.h"
@@ -15,8 +16,8 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer = R"(
-Cameras of Video4Linux2 with their sizes and rates, depth cameras that OpenNI2 finds, and depth cameras on the USB that
-lack their driver. A camera that cannot be used says why and what to do.
+Cameras of Video4Linux2 with their sizes and rates, depth cameras that OpenNI2 and libfreenect (Kinect 1) find, and
+depth cameras on the USB that lack their driver. A camera that cannot be used says why and what to do.
 
 Examples:
   rastro devices
@@ -25,6 +26,8 @@ Examples:
 struct Devices {
   std::vector<V4l2Listing> cameras;
   std::vector<Openni2Listing> depth_cameras;
+  std::vector<std::string> kinects;  ///< Serial numbers of those that libfreenect finds.
+  bool has_freenect = false;
   std::string depth_problem;  ///< Why OpenNI2 could not be asked; empty if it could.
   std::vector<UsbCamera> usb;
 };
@@ -33,6 +36,8 @@ Devices find_devices() {
   Devices devices;
   devices.cameras = list_v4l2(v4l2_system());
   devices.usb = list_usb_cameras();
+  devices.has_freenect = freenect_system() != nullptr;
+  if (devices.has_freenect) devices.kinects = freenect_system()->serials();
   if (!has_openni2()) devices.depth_problem = "this build does not use OpenNI2 (RASTRO_WITH_OPENNI2)";
   try {
     devices.depth_cameras = list_openni2();
@@ -61,18 +66,23 @@ std::string text_of(const Devices& devices) {
   for (const V4l2Listing& camera : devices.cameras) text += camera_text(camera);
   for (const Openni2Listing& camera : devices.depth_cameras)
     text += fmt::format("openni2:  {} ({})\n", camera.name, camera.uri);
-  if (devices.depth_cameras.empty())
+  for (std::size_t k = 0; k < devices.kinects.size(); ++k)
+    text += fmt::format("freenect:{}  Kinect 1 ({})\n", k, devices.kinects[k]);
+  if (devices.depth_cameras.empty() && devices.kinects.empty())
     for (const UsbCamera& camera : devices.usb)
       text +=
           fmt::format("{}  {} on the USB, but no driver for it: needs {}\n", camera.address, camera.name, camera.needs);
   if (text.empty()) text = "no camera is connected\n";
+  if (!devices.has_freenect) text += "freenect: this build does not use libfreenect (RASTRO_WITH_FREENECT)\n";
   if (!devices.depth_problem.empty()) text += "OpenNI2: " + devices.depth_problem + "\n";
   return text;
 }
 
 std::string json_of(const Devices& devices) {
-  nlohmann::ordered_json json{
-      {"v4l2", nlohmann::json::array()}, {"openni2", nlohmann::json::array()}, {"usb", nlohmann::json::array()}};
+  nlohmann::ordered_json json{{"v4l2", nlohmann::json::array()},
+                              {"openni2", nlohmann::json::array()},
+                              {"freenect", nlohmann::json::array()},
+                              {"usb", nlohmann::json::array()}};
   for (const V4l2Listing& camera : devices.cameras) {
     nlohmann::ordered_json modes = nlohmann::json::array();
     for (const V4l2Mode& mode : camera.modes)
@@ -85,6 +95,8 @@ std::string json_of(const Devices& devices) {
   }
   for (const Openni2Listing& camera : devices.depth_cameras)
     json["openni2"].push_back({{"source", "openni2:"}, {"name", camera.name}, {"uri", camera.uri}});
+  for (std::size_t k = 0; k < devices.kinects.size(); ++k)
+    json["freenect"].push_back({{"source", fmt::format("freenect:{}", k)}, {"serial", devices.kinects[k]}});
   json["openni2_problem"] = devices.depth_problem;
   for (const UsbCamera& camera : devices.usb)
     json["usb"].push_back({{"source", camera.address}, {"name", camera.name}, {"needs", camera.needs}});

@@ -38,6 +38,7 @@ const CalibratedCameraEntry* find_entry(const Calibration& calibration, const st
 
 Calibration read_with_warnings(SourceInfo& info, const std::filesystem::path& file) {
   auto calibration = read_calibration(file.string());
+  info.depth_registration = calibration.depth;
   for (const auto& warning : calibration.warnings)
     info.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
   return calibration;

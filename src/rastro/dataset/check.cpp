@@ -92,7 +92,15 @@ class ImageCheck {
     const auto raw = try_read(report_, index, [&] { return read_raw_depth(frame.depth); });
     if (!raw) return;
     ++report_.depth.frames_with_depth;
-    compare_size(report_, index, raw->width(), raw->height(), frame.depth);
+    if (const auto& other = report_.info.depth_registration) {
+      const Camera& camera = other->depth_camera;
+      if (raw->width() != camera.width || raw->height() != camera.height)
+        report_.size_changes.push_back(
+            {index, fmt::format("{}: {}x{}, but depth_camera of the calibration {}x{}", frame.depth, raw->width(),
+                                raw->height(), camera.width, camera.height)});
+    } else {
+      compare_size(report_, index, raw->width(), raw->height(), frame.depth);
+    }
     note_depth_offset(report_, frame.depth_stamp - frame.stamp);
     for (int y = 0; y < raw->height(); ++y) {
       for (int x = 0; x < raw->width(); ++x)

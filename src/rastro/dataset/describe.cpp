@@ -105,6 +105,9 @@ std::string describe(const SourceInfo& info, bool with_warnings, const LaserScan
   if (info.has_landmarks) add_line(text, "landmarks", "by range and bearing");
   if (info.has_imu) add_line(text, "inertial", "yes");
   if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a meter", info.depth_factor));
+  if (info.has_depth && info.depth_registration)
+    add_line(text, "",
+             fmt::format("of {}, put into the color image", describe_camera(info.depth_registration->depth_camera)));
   add_line(text, "ground truth", info.ground_truth.empty() ? "none" : ground_truth_line(info));
   if (!with_warnings) return text;
   for (const auto& warning : info.warnings) add_line(text, "warning", warning);
@@ -125,6 +128,7 @@ nlohmann::ordered_json source_fields(const SourceInfo& info) {
   fields["has_imu"] = info.has_imu;
   fields["has_depth"] = info.has_depth;
   if (info.has_depth) fields["depth_factor"] = info.depth_factor;
+  if (info.has_depth) fields["depth_is_put_into_color"] = info.depth_registration.has_value();
   fields["ground_truth_poses"] = info.ground_truth.size();
   if (!info.ground_truth.empty()) {
     fields["ground_truth_frame"] = info.ground_truth_frame;

@@ -15,6 +15,7 @@
 #include "rastro/dataset/kitti/kitti_raw.h"
 #include "rastro/dataset/laser_log/open_log.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/dataset/registered_depth.h"
 #include "rastro/dataset/tum_rgbd/tum_rgbd.h"
 #include "rastro/dataset/video/video.h"
 
@@ -80,10 +81,11 @@ std::optional<Recording> index_recording(const std::string& path, const OpenOpti
 }
 
 std::unique_ptr<Source> open(const std::string& path, const OpenOptions& options) {
-  if (auto log = open_log(path, options)) return read_ahead(std::move(log), options.read_ahead);
+  if (auto log = open_log(path, options))
+    return read_ahead(registered_depth(std::move(log), options), options.read_ahead);
   auto recording = index_recording(path, options);
   auto source = recording ? make_recording_source(std::move(*recording), options) : open_video(path, options);
-  return read_ahead(std::move(source), options.read_ahead);
+  return read_ahead(registered_depth(std::move(source), options), options.read_ahead);
 }
 
 }  // namespace rastro

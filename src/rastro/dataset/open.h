@@ -26,7 +26,8 @@ struct OpenOptions {
   bool want_right = false;
   bool want_depth = false;
   bool want_color = false;
-  int read_ahead = 4;  ///< Frames decoded ahead on a thread of their own; 0 = none.
+  bool raw_depth = false;  ///< Depth as its camera sees it: neither the device nor rastro puts it into the color image.
+  int read_ahead = 4;      ///< Frames decoded ahead on a thread of their own; 0 = none.
 };
 
 /// Opens a recording, guessing the format from what is there: EuRoC/ASL, TUM RGB-D, KITTI odometry, KITTI raw (synced),

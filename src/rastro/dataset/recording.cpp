@@ -59,7 +59,8 @@ class RecordingSource final : public Source {
       frame.depth =
           depth_in_meters(read_raw_depth(recorded.depth), recording_.info.depth_factor, recording_.depth_offset_m);
       frame.depth_stamp = recorded.depth_stamp;
-      require_same_size(first_size_, size_of(frame.depth), "the color image", recorded.depth);
+      if (!recording_.info.depth_registration && !options_.raw_depth)
+        require_same_size(first_size_, size_of(frame.depth), "the color image", recorded.depth);
     }
     return frame;
   }

@@ -7,6 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/camera/camera.h"
+#include "rastro/camera/depth_registration.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/trajectory.h"
@@ -37,7 +38,9 @@ struct SourceInfo {
   bool has_odometry = false;
   bool has_landmarks = false;
   bool has_imu = false;
-  double depth_factor = 0.0;       ///< Raw depth units per meter.
+  double depth_factor = 0.0;  ///< Raw depth units per meter.
+  /// The depth camera whose depth is put into the color image as frames are read; nullopt: it is there already.
+  std::optional<DepthRegistration> depth_registration;
   bool has_stamps = true;          ///< False: stamps are computed from --rate.
   Trajectory ground_truth;         ///< Empty if there is none.
   std::string ground_truth_frame;  ///< "body" or "camera".

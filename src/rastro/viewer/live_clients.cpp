@@ -59,7 +59,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
   void push(const LiveMessage& message) {
     if (closed_) return;
-    if (message.kind == Kind::image || message.kind == Kind::place || message.kind == Kind::scene)
+    if (message.kind == Kind::image || message.kind == Kind::place || message.kind == Kind::scene ||
+        message.kind == Kind::calibration)
       drop(message.kind);  // the latest one counts
     if (message.kind == Kind::frame && waiting(Kind::frame) >= most_frames) {
       drop_first(Kind::frame);
@@ -145,6 +146,7 @@ void LiveClients::accept(boost::asio::ip::tcp::socket socket, const Request& req
   client->push(hello_);
   if (status_) client->push(*status_);
   if (scene_) client->push(*scene_);
+  if (calibration_) client->push(*calibration_);
   client->accept(request);
   clients_.push_back(std::move(client));
 }
@@ -152,6 +154,7 @@ void LiveClients::accept(boost::asio::ip::tcp::socket socket, const Request& req
 void LiveClients::send(const LiveMessage& message) {
   if (message.kind == Kind::status) status_ = message;
   if (message.kind == Kind::scene) scene_ = message;
+  if (message.kind == Kind::calibration) calibration_ = message;
   for (const auto& client : clients_) client->push(message);
   forget_closed();
 }

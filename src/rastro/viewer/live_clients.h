@@ -36,7 +36,7 @@ class LiveInbox {
 
 /// A message as all clients get it.
 struct LiveMessage {
-  enum class Kind : std::uint8_t { hello, frame, image, place, scene, status };
+  enum class Kind : std::uint8_t { hello, frame, image, place, scene, status, calibration };
   Kind kind = Kind::frame;
   std::shared_ptr<const std::string> bytes;
 };
@@ -63,7 +63,7 @@ class LiveClients {
 
   LiveMessage hello_;
   LiveInbox& inbox_;
-  std::optional<LiveMessage> status_, scene_;  ///< The last ones, for who comes later.
+  std::optional<LiveMessage> status_, scene_, calibration_;  ///< The last ones, for who comes later.
   std::list<std::shared_ptr<LiveClient>> clients_;
   std::atomic<int> count_ = 0;
 };

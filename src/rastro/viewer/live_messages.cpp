@@ -76,7 +76,7 @@ std::optional<LiveCommand> live_command_in(std::string_view message) {
 
 std::string message_of(const LiveHello& hello) {
   Json json{{"type", "hello"}, {"version", 1}, {"title", hello.title}, {"method", hello.method}};
-  json["state_names"] = scene_state_names();
+  json["state_names"] = hello.state_names.empty() ? scene_state_names() : hello.state_names;
   json["frames"] = or_null(hello.frames);
   json["commands"] = Json::array();
   for (const LiveCommand command : hello.commands) json["commands"].push_back(name_of(command));
@@ -112,6 +112,21 @@ std::string message_of(const LiveStatus& status) {
   json["ended"] = status.ended;
   json["line"] = status.line;
   json["resets"] = status.resets;
+  return detail::text_of(json);
+}
+
+std::string message_of(const LiveCalibration& calibration) {
+  Json json{{"type", "calibration"}, {"line", calibration.line}};
+  json["views"] = calibration.views;
+  json["enough_views"] = calibration.enough_views;
+  json["enough"] = calibration.enough;
+  json["wanted_tilt"] = calibration.wanted_tilt_deg;
+  json["missing"] = calibration.missing;
+  json["cameras"] = Json::array();
+  for (const LiveCoverage& camera : calibration.cameras)
+    json["cameras"].push_back(
+        {{"name", camera.camera}, {"seen", camera.seen}, {"missing", camera.missing}, {"tilts", camera.tilts_deg}});
+  json["outlines"] = calibration.outlines;
   return detail::text_of(json);
 }
 

@@ -23,16 +23,17 @@ std::optional<LiveCommand> live_command_in(std::string_view message);
 /// What the run is.
 struct LiveHello {
   std::string title, method;
-  std::optional<std::int64_t> frames;  ///< In all, if known.
-  std::vector<LiveCommand> commands;   ///< Those that it understands.
-  bool has_poses = true;               ///< False: there is nothing to see but images.
+  std::optional<std::int64_t> frames;         ///< In all, if known.
+  std::vector<LiveCommand> commands;          ///< Those that it understands.
+  bool has_poses = true;                      ///< False: there is nothing to see but images.
+  std::vector<std::string> state_names = {};  ///< Of its frames; empty: scene_state_names().
 };
 
 /// One frame as the method reported it.
 struct LiveFrame {
   std::int64_t index = 0;  ///< In the recording.
   double stamp_s = 0.0;
-  std::size_t state = 0;               ///< Index into scene_state_names().
+  std::size_t state = 0;               ///< Index into the names of LiveHello.
   std::string reason, detail, advice;  ///< Empty: none.
   std::optional<SE3> world_from_body;  ///< As first estimated.
   std::optional<double> sigma;         ///< Of the position: root of the covariance's trace.
@@ -80,7 +81,27 @@ struct LivePlace {
   std::int64_t matched = -1;
 };
 
+/// What the boards seen so far show to a camera that is being calibrated.
+struct LiveCoverage {
+  std::string camera;                 ///< "left"; empty where there is one.
+  std::vector<std::uint8_t> seen;     ///< Of cells of the image, as many along a row as rows: 1 has a corner.
+  std::vector<std::uint8_t> missing;  ///< Of larger parts, likewise: 1 is where the board is wanted.
+  std::vector<double> tilts_deg;      ///< Largest so far: left, right, up, down.
+};
+
+/// A calibration that goes on. Images of a pair are side by side in one.
+struct LiveCalibration {
+  std::string line;                 ///< What to do next, for the person with the board.
+  int views = 0, enough_views = 0;  ///< Taken; as many are wanted at least.
+  bool enough = false;
+  double wanted_tilt_deg = 0.0;
+  std::vector<std::string> missing;  ///< In words.
+  std::vector<LiveCoverage> cameras;
+  std::vector<std::vector<float>> outlines;  ///< Of the boards taken: x and y of their corners, pixels of the image.
+};
+
 std::string message_of(const LiveHello& hello);
+std::string message_of(const LiveCalibration& calibration);
 /// Without its end: each client's own ",\"dropped\":N}" follows.
 std::string message_of(const LiveFrame& frame);
 std::string message_of(const LiveStatus& status);

@@ -73,6 +73,28 @@ TEST(LiveMessages, HelloNamesTheStatesAndTheCommands) {
   EXPECT_EQ(json::parse(message_of(hello))["frames"], 240);
 }
 
+TEST(LiveMessages, ACalibrationSaysWhatWasShownAndWhatToDo) {
+  LiveCalibration calibration;
+  calibration.line = "hold it still";
+  calibration.views = 7;
+  calibration.enough_views = 20;
+  calibration.wanted_tilt_deg = 15.0;
+  calibration.missing = {"lower left"};
+  calibration.cameras = {{"left", {0, 1, 1, 1}, {1}, {23.5, 0.0, 4.0, 8.0}}};
+  calibration.outlines = {{1.0F, 2.0F, 3.5F, 4.0F}};
+  const json message = json::parse(message_of(calibration));
+  EXPECT_EQ(message["type"], "calibration");
+  EXPECT_EQ(message["views"], 7);
+  EXPECT_EQ(message["enough"], false);
+  EXPECT_EQ(message["cameras"][0]["name"], "left");
+  EXPECT_EQ(message["cameras"][0]["seen"], json({0, 1, 1, 1}));
+  EXPECT_EQ(message["cameras"][0]["tilts"][0], 23.5);
+  EXPECT_EQ(message["outlines"][0][2], 3.5);
+  LiveHello hello{"camera", "calibrate", std::nullopt, {}};
+  hello.state_names = {"no_board", "taken"};
+  EXPECT_EQ(json::parse(message_of(hello))["state_names"], json({"no_board", "taken"}));
+}
+
 TEST(LiveMessages, AnImageIsABlockOfItsArrays) {
   LiveImage image{3, 640, 480, {1, 2, 3}, {}};
   image.features.pixels = {10.5F, 20.5F};

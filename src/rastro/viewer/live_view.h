@@ -46,6 +46,7 @@ class LiveView {
   bool is_watched() const { return server_.clients() > 0; }
   void show(const LiveFrame& frame) { server_.send(frame); }
   void say(const LiveStatus& status) { server_.send(status); }
+  void show(const LiveCalibration& calibration) { server_.send(calibration); }
   /// Whether an image is due: ten a second at most, and none while the last one is being packed.
   bool wants_image() const;
   void show(SeenImage image);

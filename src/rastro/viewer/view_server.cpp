@@ -208,6 +208,9 @@ void ViewServer::send(const LiveStatus& status) {
   if (status.ended) listener_->end_live();
   listener_->send(detail::LiveMessage::Kind::status, message_of(status));
 }
+void ViewServer::send(const LiveCalibration& calibration) {
+  listener_->send(detail::LiveMessage::Kind::calibration, message_of(calibration));
+}
 void ViewServer::set_scene(NamedScene scene, std::int64_t revision) {
   listener_->set_scene(std::move(scene), revision);
 }

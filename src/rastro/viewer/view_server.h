@@ -49,6 +49,7 @@ class ViewServer {
   void send(const LiveImage& image);
   void send(const LivePlace& place);
   void send(const LiveStatus& status);
+  void send(const LiveCalibration& calibration);
   void set_scene(NamedScene scene, std::int64_t revision);
   int clients() const;  ///< Pages that watch.
   /// What a page asked for, the oldest first; waits for it at most so long.

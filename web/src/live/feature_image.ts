@@ -17,6 +17,8 @@ export class FeatureImage {
   /** The feature under the pointer, -1 without one. */
   private hovered = -1;
 
+  /** Drawn over the image, below its features; `scale` is pixels of the page per pixel of the image. */
+  underFeatures: (context: CanvasRenderingContext2D, image: LiveImage, scale: number) => void = () => {};
   /** Called after an image is drawn. */
   onDrawn: (image: LiveImage) => void = () => {};
 
@@ -44,6 +46,7 @@ export class FeatureImage {
     const context = canvas.getContext('2d')!;
     if (picture) context.drawImage(picture, 0, 0, canvas.width, canvas.height);
     context.scale(ratio, ratio);
+    this.underFeatures(context, image, width / image.width);
     this.drawFeatures(context, width / image.width, Math.max(2.5, Math.min(4, width / 100)));
   }
 
@@ -92,6 +95,7 @@ export class FeatureImage {
       this.hovered = -1;
       if (!image) continue;
       this.canvas.style.aspectRatio = `${image.width} / ${image.height}`;
+      this.canvas.style.setProperty('--ratio', `${image.width / image.height}`);
       this.draw();
       this.onDrawn(image);
     }

@@ -16,6 +16,8 @@ const known: Record<string, FeatureStyle> = {
   inlier: { color: okabeIto.green, shape: 'disc' },
   new: { color: okabeIto.yellow, shape: 'triangle' },
   re_identified: { color: okabeIto.purple, shape: 'diamond' },
+  corner: { color: okabeIto.yellow, shape: 'ring' },
+  taken: { color: okabeIto.green, shape: 'disc' },
   // Visual words have the hues of Labbe and Michaud 2013, light and dark enough to be told apart by everyone.
   known_word: { color: '#d62f1f', shape: 'disc' },
   new_word: { color: '#35c24a', shape: 'triangle' },

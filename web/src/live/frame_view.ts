@@ -4,11 +4,12 @@ import type { App } from '../app';
 import { stateColor } from '../view3d/colors';
 import { el } from '../ui/dom';
 import { digits, lengthText } from '../ui/units';
+import { CalibrationView } from './calibration_view';
 import { FeatureImage } from './feature_image';
 import { FeatureLegend } from './feature_legend';
 import { PlaceView } from './place_view';
-import type { LiveFrame, LiveImage } from './messages';
-import type { LiveSession } from './session';
+import type { Calibration, LiveFrame, LiveImage } from './messages';
+import type { LiveSession, News } from './session';
 
 /** An image of a frame so near is not told apart: images come less often than frames. */
 const nearFrames = 8;
@@ -19,16 +20,20 @@ export class FrameView {
   private readonly title = el('summary', { title: 'Image and features of the current frame (I)' });
   private readonly caption = el('p', { className: 'caption' });
   private readonly pictures = el('div', { className: 'pictures', hidden: true });
+  private readonly figure = el('figure', {});
   private readonly facts = el('p', { className: 'facts-line' });
   private readonly trouble = el('div', { className: 'trouble', role: 'status', hidden: true });
   private readonly stages = el('div', { className: 'stages' });
   private readonly legend: FeatureLegend;
   private readonly place = new PlaceView();
+  private readonly calibration: CalibrationView;
   private readonly empty = el('p', { className: 'missing' });
 
   constructor(private readonly app: App, private readonly session: LiveSession) {
     this.legend = new FeatureLegend(this.image);
-    this.pictures.append(el('figure', {}, this.image.canvas, this.caption));
+    this.calibration = new CalibrationView(this.image);
+    this.figure.append(this.image.canvas, this.caption);
+    this.pictures.append(this.figure, this.calibration.element);
     this.element.append(this.title, this.trouble, this.pictures, this.empty, this.legend.element, this.place.element, this.facts, this.stages);
     this.image.onDrawn = (image) => (this.element.dataset.image = `${image.index}`);
     app.onChange((changed) => {
@@ -36,7 +41,8 @@ export class FrameView {
     });
     session.onNews((news) => {
       if (news.has('hello')) this.element.classList.toggle('whole', session.hello?.poses === false);
-      if (news.has('image') || news.has('place') || news.has('hello')) this.fill();
+      if (news.has('calibration') && session.calibration) this.showCalibration(session.calibration);
+      if (['image', 'place', 'hello', 'calibration'].some((each) => news.has(each as News))) this.fill();
     });
     this.element.addEventListener('toggle', () => this.fill());
     this.fill();
@@ -44,6 +50,13 @@ export class FrameView {
 
   toggle(): void {
     this.element.open = !this.element.open;
+  }
+
+  private showCalibration(calibration: Calibration): void {
+    // Of a calibration there is nothing to see but this, also where there is little room.
+    if (!this.element.classList.contains('calibrating')) this.element.open = true;
+    this.element.classList.add('calibrating');
+    this.calibration.show(calibration);
   }
 
   private fill(): void {
@@ -68,7 +81,9 @@ export class FrameView {
   }
 
   private showImage(image: LiveImage | null, frame: LiveFrame | null): void {
-    this.pictures.hidden = image === null;
+    // What a calibration lacks is shown before the first image too.
+    this.pictures.hidden = image === null && this.session.calibration === null;
+    this.figure.hidden = image === null;
     this.empty.hidden = image !== null;
     this.empty.textContent = frame ? 'No image of this frame was sent.' : 'No frame yet.';
     this.image.show(image);
@@ -99,7 +114,7 @@ function titleOf(frame: LiveFrame | null, state: string, all: number | null): (N
   const count = frame.index + 1;
   const of = all ? ` of ${all.toLocaleString('en-US')}` : '';
   const swatch = el('span', { className: 'swatch', style: `background:${stateColor(state)}` });
-  return [`Frame ${count.toLocaleString('en-US')}${of}`, el('span', { className: 'key' }, swatch, state)];
+  return [`Frame ${count.toLocaleString('en-US')}${of}`, el('span', { className: 'key' }, swatch, state.replaceAll('_', ' '))];
 }
 
 function factsOf(app: App, frame: LiveFrame, poses: boolean): HTMLElement[] {

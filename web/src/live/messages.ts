@@ -84,7 +84,34 @@ export interface LivePlace {
   matched: { keyframe: number; image: LiveImage } | null;
 }
 
-export type Message = Hello | LiveFrame | SceneNews | Status;
+/** What the boards so far have shown to one camera. */
+export interface Coverage {
+  /** Empty where there is one camera. */
+  name: string;
+  /** Of cells of its image, row by row, as many along a row as rows: whether they had a corner. */
+  seen: boolean[];
+  /** Of larger parts: whether the board is wanted there. */
+  missing: boolean[];
+  /** Largest tilts in degrees: left, right, up, down. */
+  tilts: number[];
+}
+
+/** A calibration that goes on. Images of a pair are side by side in one. */
+export interface Calibration {
+  type: 'calibration';
+  /** What to do next. */
+  line: string;
+  views: number;
+  enoughViews: number;
+  enough: boolean;
+  wantedTilt: number;
+  missing: string[];
+  cameras: Coverage[];
+  /** Of each board taken, pixels of the image. */
+  outlines: number[][];
+}
+
+export type Message = Hello | LiveFrame | SceneNews | Status | Calibration;
 
 const noBody = new Uint8Array(0);
 const largestIndex = 2 ** 31;
@@ -111,6 +138,8 @@ export function readText(text: string, states: number): Message | null {
       return { type: 'scene', index: entry.index('index', largestIndex), revision: entry.numberOrNull('revision') };
     case 'status':
       return readStatus(entry);
+    case 'calibration':
+      return readCalibration(entry);
     default:
       return null;
   }
@@ -167,6 +196,39 @@ function readStages(entry: Entry): [string, number][] {
 function readStatus(entry: Entry): Status {
   const flag = (key: string) => (entry.has(key) ? entry.flag(key) : null);
   return { type: 'status', paused: flag('paused'), mapping: flag('mapping'), ended: entry.flag('ended'), line: entry.text('line', ''), resets: entry.numberOrNull('resets') ?? 0 };
+}
+
+function readCalibration(entry: Entry): Calibration {
+  return {
+    type: 'calibration', line: entry.text('line', ''), views: entry.index('views', largestIndex), enoughViews: entry.index('enough_views', largestIndex),
+    enough: entry.flag('enough'), wantedTilt: entry.positive('wanted_tilt'), missing: texts(entry, 'missing', 60),
+    cameras: entry.children('cameras').slice(0, 2).map(readCoverage),
+    outlines: listOf(entry, 'outlines', 4000).map((outline) => numbersIn(entry, 'outlines', outline, 400)),
+  };
+}
+
+function readCoverage(entry: Entry): Coverage {
+  return {
+    name: entry.text('name', ''), seen: square(entry, 'seen'), missing: square(entry, 'missing'), tilts: entry.numbers('tilts', 4),
+  };
+}
+
+/** Cells of a square, row by row. */
+function square(entry: Entry, key: string): boolean[] {
+  const cells = numbersIn(entry, key, entry.value(key), 400);
+  if (cells.length === 0 || !Number.isInteger(Math.sqrt(cells.length))) throw entry.error(key, `has ${cells.length} cells`);
+  return cells.map((cell) => cell === 1);
+}
+
+function listOf(entry: Entry, key: string, most: number): unknown[] {
+  const list = entry.value(key);
+  if (!Array.isArray(list) || list.length > most) throw entry.error(key, 'is not a list');
+  return list;
+}
+
+function numbersIn(entry: Entry, key: string, list: unknown, most: number): number[] {
+  if (!Array.isArray(list) || list.length > most || !list.every((n) => Number.isFinite(n))) throw entry.error(key, 'is not a list of numbers');
+  return list as number[];
 }
 
 function texts(entry: Entry, key: string, most: number): string[] {

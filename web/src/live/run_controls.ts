@@ -30,7 +30,7 @@ export class RunControls {
       mapping: this.control('O', () => this.mappingCommand(), () => (this.session.status?.mapping === false ? ['Resume mapping', 'map'] : ['Localization only', 'pin'])),
       save: this.control('W', () => 'save', () => ['Save map', 'save']),
       reset: this.control('R', () => 'reset', () => ['Reset', 'reset']),
-      end: this.control('E', () => 'end', () => ['End', 'stop']),
+      end: this.control('E', () => 'end', () => [this.calibrates ? 'Calibrate now' : 'End', 'stop']),
     };
     this.element.append(...Object.values(this.controls).map((c) => c.node));
     session.onNews((news) => {
@@ -45,9 +45,18 @@ export class RunControls {
     const { node } = this.controls[name];
     if (node.hidden || node.disabled) return;
     if (name === 'reset' && !(await ask('Reset the map?', 'The map so far is saved beside the results, and the run goes on with an empty one.', 'Reset'))) return;
-    if (name === 'end' && !(await ask('End the run?', 'No further frame is processed. The map and the results are written as at the end of the data.', 'End the run'))) return;
+    if (name === 'end' && !(await this.askForEnd())) return;
     const command = this.controls[name].command();
     if (command && this.session.send(command)) this.wait(node);
+  }
+
+  private askForEnd(): Promise<boolean> {
+    if (this.calibrates) return ask('Calibrate now?', 'No further view is taken. The camera is calibrated from those taken so far.', 'Calibrate');
+    return ask('End the run?', 'No further frame is processed. The map and the results are written as at the end of the data.', 'End the run');
+  }
+
+  private get calibrates(): boolean {
+    return this.session.hello?.method === 'calibrate';
   }
 
   private get paused(): boolean {

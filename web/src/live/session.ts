@@ -5,11 +5,11 @@ import { SceneError } from '../scene/scene';
 import { Connection, type Link } from './connection';
 import { ImageStore } from './image_store';
 import { LiveMap } from './live_map';
-import { readBinary, readText, type Command, type Hello, type LiveFrame, type LiveImage, type LivePlace, type Message, type Status } from './messages';
+import { readBinary, readText, type Calibration, type Command, type Hello, type LiveFrame, type LiveImage, type LivePlace, type Message, type Status } from './messages';
 import { LiveRecord } from './record';
 import { SceneFetcher } from './scene_fetcher';
 
-export type News = 'link' | 'hello' | 'status' | 'frames' | 'image' | 'place' | 'following' | 'unreadable';
+export type News = 'link' | 'hello' | 'status' | 'calibration' | 'frames' | 'image' | 'place' | 'following' | 'unreadable';
 
 const shortestPauseMs = 12;
 const mostPlaces = 50;
@@ -25,6 +25,8 @@ export class LiveSession {
   /** What the run says of itself; null until it does. */
   status: Status | null = null;
   newest: LiveFrame | null = null;
+  /** Of a calibration: what was shown so far. */
+  calibration: Calibration | null = null;
   following = true;
   /** Messages that could not be read, and what was wrong with the last of them. */
   unreadable = { count: 0, line: '' };
@@ -106,6 +108,9 @@ export class LiveSession {
       case 'scene':
         if (message.index === this.sceneIndex) void this.fetcher.request();
         return;
+      case 'calibration':
+        this.calibration = message;
+        return this.tell('calibration');
       case 'status':
         // The frames so far are of a map that is no longer this one.
         if (this.status && message.resets > this.status.resets) this.forget();

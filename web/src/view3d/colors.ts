@@ -34,6 +34,12 @@ const stateColors: Record<string, string> = {
   weak: okabeIto.orange,
   lost: okabeIto.vermillion,
   relocalized: okabeIto.skyBlue,
+  // Of a board in front of a camera that is being calibrated.
+  taken: okabeIto.green,
+  moving: okabeIto.orange,
+  no_board: okabeIto.vermillion,
+  one_camera: okabeIto.skyBlue,
+  nothing_new: '#a5a5a5',
   initializing: '#a5a5a5', // the palette's own gray is too near to its green without red or green cones
 };
 

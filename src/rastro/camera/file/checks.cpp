@@ -121,6 +121,14 @@ std::optional<double> optional_calibration_error(const YamlFields& fields) {
   return error;
 }
 
+void set_readout_time(Camera& camera, const YamlFields& fields) {
+  static constexpr Names key = {"readout_time"};
+  if (!fields.has(key)) return;
+  camera.readout_s = fields.number(key);
+  if (!(camera.readout_s >= 0.0 && camera.readout_s <= 1.0))
+    fields.fail(key, "is no readout time", "it is given in seconds, from 0 to 1");
+}
+
 void require_usable(const Camera& camera, const std::string& where) {
   for (const double focal_length : {camera.fx, camera.fy})
     if (!(focal_length > 0.0 && focal_length < largest_focal_length))

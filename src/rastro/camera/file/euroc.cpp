@@ -29,6 +29,7 @@ Calibration parse_euroc(const YamlFields& root) {
     entry.body_from_camera = rigid_transform(root.matrix({"T_BS"}, 4, 4), "T_BS", root.at({"T_BS"}), result.warnings);
   entry.rate_hz = optional_rate(root);
   entry.calibration_error = optional_calibration_error(root);
+  set_readout_time(entry.camera, root);
   result.cameras.push_back(std::move(entry));
   return result;
 }

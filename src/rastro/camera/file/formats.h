@@ -42,6 +42,13 @@ std::optional<double> optional_rate(const YamlFields& fields);
 /// The key "calibration_error" of rastro's own, if present; throws unless it is a share.
 std::optional<double> optional_calibration_error(const YamlFields& fields);
 
+/// The key "readout_time" of rastro's own, seconds of a rolling shutter, if present; throws unless 0 to 1.
+void set_readout_time(Camera& camera, const YamlFields& fields);
+
+/// The keys "depth_camera" and "color_from_depth" of rastro's own, where the first is present.
+std::optional<DepthRegistration> optional_depth_registration(const YamlFields& root,
+                                                             std::vector<std::string>& warnings);
+
 /// Throws unless focal lengths are positive and all values are of a plausible order.
 void require_usable(const Camera& camera, const std::string& where);
 

@@ -59,6 +59,7 @@ CalibratedCameraEntry parse_camera(const YamlFields& fields, Names matrix, Names
                  *distortion.begin());
   require_usable(entry.camera, fields.at(matrix));
   entry.calibration_error = optional_calibration_error(fields);
+  set_readout_time(entry.camera, fields);
   return entry;
 }
 
@@ -72,7 +73,31 @@ void check_projection(const YamlFields& fields, std::vector<std::string>& warnin
   check_baseline(from_left, "the first camera", "the camera of this projection_matrix", warnings);
 }
 
+/// R and T as cv::stereoCalibrate gives them, where a file holds them beside both cameras.
+void set_right_pose(Calibration& result, const YamlFields& root) {
+  static constexpr Names rotation_key = {"R"}, translation_key = {"T"};
+  if (!root.has(rotation_key) || !root.has(translation_key)) return;
+  Eigen::MatrixXd right_from_left = Eigen::MatrixXd::Identity(4, 4);
+  right_from_left.topLeftCorner(3, 3) = root.matrix(rotation_key, 3, 3);
+  right_from_left.topRightCorner(3, 1) = root.matrix(translation_key, 3, 1);
+  result.cameras.back().camera_from_previous =
+      rigid_transform(right_from_left, *rotation_key.begin(), root.at(rotation_key), result.warnings);
+  check_baseline(*result.cameras.back().camera_from_previous, "left", "right", result.warnings);
+}
+
 }  // namespace
+
+std::optional<DepthRegistration> optional_depth_registration(const YamlFields& root,
+                                                             std::vector<std::string>& warnings) {
+  static constexpr Names camera_key = {"depth_camera"}, pose_key = {"color_from_depth"};
+  if (!root.has(camera_key)) return std::nullopt;
+  const YamlFields fields = root.map(camera_key);
+  DepthRegistration depth;
+  depth.depth_camera = parse_camera(fields, matrix_keys, distortion_keys).camera;
+  if (depth.depth_camera.width <= 0) fields.fail_missing(width_keys);
+  depth.color_from_depth = rigid_transform(root.matrix(pose_key, 4, 4), *pose_key.begin(), root.at(pose_key), warnings);
+  return depth;
+}
 
 bool is_opencv_or_ros(const YamlFields& root) {
   return root.has(matrix_keys) || root.has({"M1"}) || root.has(distortion_keys) || root.has(width_keys);
@@ -87,10 +112,12 @@ Calibration parse_opencv_or_ros(const YamlFields& root) {
     if (!root.has({"M2"})) return result;
     result.cameras.push_back(parse_camera(root, {"M2"}, {"D2"}));
     result.cameras.back().name = "right";
+    set_right_pose(result, root);
     return result;
   }
   result.cameras.push_back(parse_camera(root, matrix_keys, distortion_keys));
   result.cameras.back().name = root.has({"camera_name"}) ? root.text({"camera_name"}) : "camera";
+  result.depth = optional_depth_registration(root, result.warnings);
   check_projection(root, result.warnings);
   return result;
 }

@@ -8,10 +8,12 @@
 #include <string_view>
 
 #include "rastro/base/error.h"
+#include "rastro/dataset/live/freenect.h"
 #include "rastro/dataset/live/openni2.h"
 #include "rastro/dataset/live/pipe.h"
 #include "rastro/dataset/live/stream.h"
 #include "rastro/dataset/live/v4l2.h"
+#include "rastro/dataset/registered_depth.h"
 
 namespace rastro {
 namespace {
@@ -36,7 +38,7 @@ std::unique_ptr<LiveSource> open_camera(const Request& request) {
 }
 
 std::unique_ptr<LiveSource> open_depth_camera(const Request& request) {
-  return open_openni2(request.address, request.rest, request.options, request.clock);
+  return registered_depth(open_openni2(request.address, request.rest, request.options, request.clock), request.options);
 }
 
 std::unique_ptr<LiveSource> open_network(const Request& request) {
@@ -48,9 +50,9 @@ std::unique_ptr<LiveSource> open_standard_input(const Request& request) {
   return open_pipe(request.address, STDIN_FILENO, request.options, request.clock, request.stop);
 }
 
-std::unique_ptr<LiveSource> refuse_freenect(const Request& request) {
-  throw Error("libfreenect is not supported", request.address,
-              "install its driver for OpenNI2 (FreenectDriver) and give openni2:");
+std::unique_ptr<LiveSource> open_kinect(const Request& request) {
+  return registered_depth(
+      open_freenect(request.address, request.rest, request.options, freenect_system(), request.clock), request.options);
 }
 
 struct Scheme {
@@ -58,10 +60,9 @@ struct Scheme {
   std::unique_ptr<LiveSource> (*open)(const Request&);
 };
 
-constexpr Scheme schemes[] = {{"replay:", open_replay},        {"v4l2:", open_camera},
-                              {"openni2:", open_depth_camera}, {"http://", open_network},
-                              {"https://", open_network},      {"rtsp://", open_network},
-                              {"pipe:", open_standard_input},  {"freenect:", refuse_freenect}};
+constexpr Scheme schemes[] = {
+    {"replay:", open_replay},   {"v4l2:", open_camera},    {"openni2:", open_depth_camera}, {"http://", open_network},
+    {"https://", open_network}, {"rtsp://", open_network}, {"pipe:", open_standard_input},  {"freenect:", open_kinect}};
 
 const Scheme* scheme_of(const std::string& address) {
   const auto* found = std::find_if(std::begin(schemes), std::end(schemes),
@@ -72,7 +73,7 @@ const Scheme* scheme_of(const std::string& address) {
 }  // namespace
 
 const char* const live_forms =
-    "replay:DATA, v4l2:/dev/video0[,1280x720@30], openni2:[FILE.oni], http://..., rtsp://... or pipe:";
+    "replay:DATA, v4l2:/dev/video0[,1280x720@30], openni2:[FILE.oni], freenect:0, http://..., rtsp://... or pipe:";
 
 bool is_live(const std::string& address) { return scheme_of(address) != nullptr; }
 

@@ -24,6 +24,7 @@ bool is_live(const std::string& address);
 ///     replay:DATA                        any recording at its own pace, or at `replay.speed` times that
 ///     v4l2:/dev/video0[,1280x720@30]     a camera of Video4Linux2
 ///     openni2:[FILE.oni]                 a depth camera through OpenNI2, or a recording of one
+///     freenect:[0]                       a Kinect 1 through libfreenect
 ///     http://... https://... rtsp://...  MJPEG or a stream that FFmpeg knows
 ///     pipe:                              Y4M or MJPEG on standard input
 std::unique_ptr<LiveSource> open_live(const std::string& address, const OpenOptions& options,

@@ -15,6 +15,7 @@
 
 #include "rastro/base/text.h"
 #include "rastro/dataset/live/camera_image.h"
+#include "rastro/dataset/live/depth_readings.h"
 
 namespace rastro {
 namespace {
@@ -34,18 +35,19 @@ void initialize() {
 
 class Openni2Device final : public CameraDevice {
  public:
-  Openni2Device(const std::string& file, const std::string& address, bool want_color, Clock& clock)
-      : address_(address),
-        want_color_(want_color),
-        is_file_(!file.empty()),
-        clock_(clock),
-        offset_(epoch_offset(clock)) {
+  Openni2Device(const std::string& file, const std::string& address, bool want_color, const DepthReadings& readings,
+                Clock& clock)
+      : address_(address), want_color_(want_color), readings_(readings), clock_(clock), offset_(epoch_offset(clock)) {
     initialize();
-    if (device_.open(is_file_ ? file.c_str() : openni::ANY_DEVICE) != openni::STATUS_OK)
+    if (device_.open(file.empty() ? openni::ANY_DEVICE : file.c_str()) != openni::STATUS_OK)
       throw DeviceGone("cannot be opened (" + reason() + ")", address,
-                       is_file_ ? "is it a recording of OpenNI2?" : "'rastro devices' lists what is connected");
-    if (device_.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR))
-      device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR);
+                       file.empty() ? "'rastro devices' lists what is connected"
+                                    : "is it a recording of OpenNI2, or a camera's URI?");
+    is_file_ = device_.isFile();
+    can_register_ = device_.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR);
+    if (can_register_)
+      device_.setImageRegistrationMode(readings.device_registers ? openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR
+                                                                 : openni::IMAGE_REGISTRATION_OFF);
     device_.setDepthColorSyncEnabled(true);
     start(openni::SENSOR_DEPTH, depth_);
     start(openni::SENSOR_COLOR, color_);
@@ -68,6 +70,11 @@ class Openni2Device final : public CameraDevice {
   ImageSize size() const {
     const openni::VideoMode mode = (color_.isValid() ? color_ : depth_).getVideoMode();
     return {mode.getResolutionX(), mode.getResolutionY()};
+  }
+
+  /// Depth beside color that nobody puts into its image. A recording holds it as it was recorded.
+  bool lacks_registration() const {
+    return readings_.device_registers && color_.isValid() && !can_register_ && !is_file_;
   }
 
   /// Of the depth camera, which is that of the color image where it is registered to it; 0: not told.
@@ -154,7 +161,8 @@ class Openni2Device final : public CameraDevice {
     }
     depth_frame_.release();
     color_frame_.release();
-    if (frame.depth.width() != frame.image.width() || frame.depth.height() != frame.image.height())
+    if (readings_.device_registers &&
+        (frame.depth.width() != frame.image.width() || frame.depth.height() != frame.image.height()))
       throw Error("depth and color have different sizes", address_, "set one size for both in OpenNI2's settings");
     return arrived;
   }
@@ -167,7 +175,8 @@ class Openni2Device final : public CameraDevice {
     const auto* bytes = static_cast<const unsigned char*>(depth_frame_.getData());
     for (int y = 0; y < frame.depth.height(); ++y) {
       const auto* row = reinterpret_cast<const std::uint16_t*>(bytes + y * depth_frame_.getStrideInBytes());
-      for (int x = 0; x < frame.depth.width(); ++x) frame.depth.at(x, y) = static_cast<float>(row[x]) * to_meters;
+      for (int x = 0; x < frame.depth.width(); ++x)
+        frame.depth.at(x, y) = readings_.corrected(static_cast<float>(row[x]) * to_meters);
     }
   }
 
@@ -188,7 +197,9 @@ class Openni2Device final : public CameraDevice {
   }
 
   std::string address_;
-  bool want_color_, is_file_;
+  bool want_color_;
+  DepthReadings readings_;
+  bool is_file_ = false, can_register_ = false;
   Clock& clock_;
   TimeNs offset_;
   openni::Device device_;
@@ -204,8 +215,9 @@ class Openni2Device final : public CameraDevice {
 
 std::unique_ptr<LiveSource> open_openni2(const std::string& address, const std::string& file,
                                          const OpenOptions& options, Clock& clock) {
-  const auto open_device = [address, file, color = options.want_color, &clock] {
-    return std::make_unique<Openni2Device>(file, address, color, clock);
+  const DepthReadings readings = depth_readings(options, units_per_meter);
+  const auto open_device = [address, file, color = options.want_color, readings, &clock] {
+    return std::make_unique<Openni2Device>(file, address, color, readings, clock);
   };
   auto device = open_device();
   OpenOptions calibrated = options;
@@ -217,6 +229,10 @@ std::unique_ptr<LiveSource> open_openni2(const std::string& address, const std::
   if (!given && info.cameras.front().camera) info.cameras.front().calibration_file = "OpenNI2's field of view";
   info.has_depth = true;
   info.depth_factor = units_per_meter;
+  if (device->lacks_registration())
+    info.warnings.push_back(address +
+                            ": the camera does not register its depth to color; 'rastro calibrate --depth "
+                            "--depth-camera FILE' measures how");
   return make_live_camera(std::move(info), std::move(device), open_device, options, {}, clock);
 }
 

@@ -10,9 +10,10 @@
 namespace rastro {
 
 /// A depth camera through OpenNI2 (Xtion, Astra, some Kinects), or a recording of one (.oni), which plays at its own
-/// pace. `file`: the recording; empty: the first camera that is connected. CMake: RASTRO_WITH_OPENNI2. Depth is
-/// registered to color by the device, where it can; frames come at the color images, each with the depth image of the
-/// nearest stamp. Error where none is connected, and where the build cannot.
+/// pace. `file`: the recording, or the URI of a camera; empty: the first camera that is connected. CMake:
+/// RASTRO_WITH_OPENNI2. Depth is registered to color by the device, where it can, unless the calibration tells of a
+/// depth camera; frames come at the color images, each with the depth image of the nearest stamp. Error where none is
+/// connected, and where the build cannot.
 std::unique_ptr<LiveSource> open_openni2(const std::string& address, const std::string& file,
                                          const OpenOptions& options, Clock& clock);
 

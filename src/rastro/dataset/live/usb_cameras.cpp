@@ -14,7 +14,7 @@ struct Known {
   const char *name, *address, *needs;
 };
 constexpr Known known[] = {
-    {"045e", "02ae", "Kinect 1", "openni2:", "the driver of libfreenect for OpenNI2 (FreenectDriver)"},
+    {"045e", "02ae", "Kinect 1", "freenect:0", "a build with libfreenect (RASTRO_WITH_FREENECT)"},
     {"045e", "02c4", "Kinect 2", "openni2:", "the driver of libfreenect2 for OpenNI2, and USB 3"},
     {"045e", "02d8", "Kinect 2", "openni2:", "the driver of libfreenect2 for OpenNI2, and USB 3"},
     {"1d27", "", "PrimeSense or Xtion", "openni2:", "OpenNI2, which has its driver"},

@@ -127,6 +127,7 @@ SourceInfo calibrated_pair(Distortion distortion) {
   if (distortion == Distortion::rational) left.camera->coefficients[7] = -0.02;
   left.body_from_camera = SE3(SO3::exp({0.1, -0.2, 0.3}), {0.01, 0.02, 0.03});
   left.calibration_error = 0.0125;
+  left.camera->readout_s = 0.021;
   CalibratedCamera right = left;
   right.camera->fx = 49.5;
   info.cameras = {left, right};
@@ -150,6 +151,7 @@ TEST(RecordingWriter, WritesTheCalibrationThatItReadsBack) {
       EXPECT_EQ(std::tie(was.width, was.height, was.fx, was.fy, was.cx, was.cy),
                 std::tie(is.width, is.height, is.fx, is.fy, is.cx, is.cy));
       EXPECT_EQ(was.distortion, is.distortion);
+      EXPECT_EQ(is.readout_s, 0.021);
       EXPECT_EQ(was.coefficients, is.coefficients);
       EXPECT_EQ(read.cameras.front().calibration_error, 0.0125);
       if (depth) continue;

@@ -289,6 +289,7 @@ class BagSource final : public Source {
     if (!nearest) return;
     frame.depth = depth_of(*nearest, where);
     frame.depth_stamp = nanoseconds(nearest->header.stamp);
+    if (info_.depth_registration || options_.raw_depth) return;
     if (frame.depth.width() != frame.image.width() || frame.depth.height() != frame.image.height())
       throw UnusableSource("the depth image has another size than the image", where, "");
   }
