@@ -93,22 +93,30 @@ struct CommonOrigin {
   SE3 reference, estimate;
 };
 
+const Matrix6d* covariance_at(const std::vector<StampedCovariance>& covariances, TimeNs stamp) {
+  const auto found = std::lower_bound(
+      covariances.begin(), covariances.end(), stamp - same_stamp_within,
+      [](const StampedCovariance& covariance, TimeNs earliest) { return covariance.stamp < earliest; });
+  return found == covariances.end() || found->stamp > stamp + same_stamp_within ? nullptr : &found->covariance;
+}
+
+/// The final poses may be of a submap that was never connected to the one whose poses have covariances.
+const Trajectory& poses_with_origin(const ConsistencyInput& input) {
+  const bool connected = std::any_of(input.final_poses.begin(), input.final_poses.end(), [&](const StampedPose& pose) {
+    return covariance_at(input.covariances, pose.stamp) != nullptr;
+  });
+  return connected ? input.final_poses : input.first_poses;
+}
+
 std::optional<CommonOrigin> common_origin(const ConsistencyInput& input) {
   std::optional<CommonOrigin> first;
-  for (const StampedPose& pose : input.final_poses) {
+  for (const StampedPose& pose : poses_with_origin(input)) {
     const auto reference = reference_at(input, pose.stamp);
     if (!reference) continue;
     if (is_identity(pose.world_from_body)) return CommonOrigin{*reference, pose.world_from_body};
     if (!first) first = CommonOrigin{*reference, pose.world_from_body};
   }
   return first;
-}
-
-const Matrix6d* covariance_at(const std::vector<StampedCovariance>& covariances, TimeNs stamp) {
-  const auto found = std::lower_bound(
-      covariances.begin(), covariances.end(), stamp - same_stamp_within,
-      [](const StampedCovariance& covariance, TimeNs earliest) { return covariance.stamp < earliest; });
-  return found == covariances.end() || found->stamp > stamp + same_stamp_within ? nullptr : &found->covariance;
 }
 
 }  // namespace

@@ -44,6 +44,7 @@ struct ConsistencyInput {
 
 /// Normalized estimation error squared (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). A run knows its poses
 /// relative to where it began, so both sides coincide there: at the final pose that is the identity, else at the first.
+/// Where no final pose has a covariance, they are of another submap, and it is such a pose of `first_poses`.
 /// Directions of variance 0 (height and tilt of motion in the plane) are no degrees of freedom.
 PoseConsistency score_consistency(const ConsistencyInput& input);
 

@@ -128,6 +128,31 @@ TEST(PoseConsistency, ReferenceIsTakenAtTheInstant) {
   EXPECT_EQ(found.position->inside_percent, 100.0) << "5 mm of motion to the nearest pose, sigma 1 mm";
 }
 
+/// Lost halfway, the run ends with the larger part, which begins at an identity of its own and has no covariances.
+TEST(PoseConsistency, PosesOfAPartThatIsNotTheFinalOneHaveTheirOwnOrigin) {
+  const Trajectory reference = curve();
+  NoisyRun run = noisy(reference, 1.0);
+  constexpr std::size_t lost_at = 1000;
+  const SE3 origin = reference[lost_at].world_from_body;
+  Trajectory final_poses;
+  for (std::size_t k = lost_at; k < reference.size(); ++k)
+    final_poses.push_back({reference[k].stamp, origin.inverse() * reference[k].world_from_body});
+  run.covariances.resize(lost_at);
+  const SE3 start = reference.front().world_from_body;
+  for (StampedPose& pose : run.poses) pose.world_from_body = start.inverse() * pose.world_from_body;
+  for (StampedCovariance& covariance : run.covariances) {
+    Matrix6d turned = Matrix6d::Zero();
+    turned.topLeftCorner<3, 3>() = turned.bottomRightCorner<3, 3>() = start.rotation().matrix().transpose();
+    covariance.covariance = turned * covariance.covariance * turned.transpose();
+  }
+  run.poses.front().world_from_body = SE3();
+  const PoseConsistency part = score(reference, final_poses, run);
+  ASSERT_TRUE(part.position && part.rotation);
+  EXPECT_EQ(part.position->poses, static_cast<int>(lost_at));
+  EXPECT_NEAR(part.position->inside_percent, 95.0, 2.5);
+  EXPECT_NEAR(part.rotation->inside_percent, 95.0, 2.5);
+}
+
 TEST(PoseConsistency, NothingWithoutCommonStampsOrCovariances) {
   const Trajectory reference = curve();
   NoisyRun run = noisy(reference, 1.0);
