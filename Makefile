@@ -31,7 +31,7 @@ test: build  ## build and run every test
 sanitize: deps  ## build and run every test under AddressSanitizer and UndefinedBehaviorSanitizer (half an hour)
 	@cmake --preset asan
 	cmake --build build/asan --parallel $(JOBS)
-	ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1 \
+	ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$(CURDIR)/cmake/lsan-suppressions.txt \
 	  ctest --preset asan --parallel $(JOBS) --label-exclude release_only
 
 bench: build  ## micro-benchmarks; the table of docs/benchmarks.md names the command of each figure
