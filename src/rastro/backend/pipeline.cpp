@@ -30,10 +30,15 @@ bool PipelineQueue::submit(std::function<void()> job, std::shared_ptr<void> resu
   item.handover_frame = now.number + delay.frames;
   if (delay.time) item.handover_time = now.stamp + *delay.time;
   item.last_frame = item.handover_frame + delay.max_extra_frames;
+  last_ = item;
   item.result = std::move(result);
   in_flight_.push_back(std::move(item));
   ++statistics_.jobs;
   return true;
+}
+
+bool PipelineQueue::settled(const FrameTime& now) const {
+  return in_flight_.empty() && (options_.hand_over == HandOver::fixed_delay || latency_passed(last_, now));
 }
 
 bool PipelineQueue::latency_passed(const InFlight& item, const FrameTime& now) {

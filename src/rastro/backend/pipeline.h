@@ -71,6 +71,7 @@ class PipelineQueue {
   void discard() { in_flight_.clear(); }
   void wait() const { background_.wait_for_all(); }
   bool empty() const { return in_flight_.empty(); }
+  bool settled(const FrameTime& now) const;
   const PipelineStatistics& statistics() const { return statistics_; }
 
  private:
@@ -89,6 +90,7 @@ class PipelineQueue {
   PipelineOptions options_;
   PipelineStatistics statistics_;
   std::deque<InFlight> in_flight_;
+  InFlight last_;  ///< The job submitted last; its result is not kept here.
   mutable Background background_;
 };
 
@@ -118,6 +120,9 @@ class Pipeline {
   void wait() const { queue_.wait(); }
   /// Whether no result is left to be taken.
   bool empty() const { return queue_.empty(); }
+  /// Whether no result is left to be taken, and with `when_ready` the delay of the last job has passed as well: a front
+  /// end that submits only then has the same rhythm in a live run, however fast the jobs are.
+  bool settled(const FrameTime& now) const { return queue_.settled(now); }
   const PipelineStatistics& statistics() const { return queue_.statistics(); }
 
  private:

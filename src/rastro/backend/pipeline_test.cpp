@@ -206,6 +206,32 @@ TEST(Pipeline, ALiveRunTakesReadyResultsAndNeverWaits) {
   EXPECT_EQ(pipeline.statistics().postponed, 1);
 }
 
+TEST(Pipeline, ALiveRunIsSettledOnceTheDelayHasPassedHoweverFastTheJobWas) {
+  for (const HandOver hand_over : {HandOver::when_ready, HandOver::fixed_delay}) {
+    Pipeline<int> pipeline({.own_thread = true, .hand_over = hand_over});
+    EXPECT_TRUE(pipeline.settled({0, 0}));
+    pipeline.submit(gives(1), {10, 0}, {.frames = 2, .time = 3 * tenth, .max_extra_frames = 9});
+    pipeline.wait();
+    pipeline.take_ready({11, tenth});
+    EXPECT_EQ(pipeline.empty(), hand_over == HandOver::when_ready);
+    EXPECT_FALSE(pipeline.settled({11, tenth}));
+    EXPECT_FALSE(pipeline.settled({12, 3 * tenth - 1}));
+    pipeline.take_ready({12, 3 * tenth});
+    EXPECT_TRUE(pipeline.settled({12, 3 * tenth}));
+  }
+}
+
+TEST(Pipeline, ALateJobIsNotSettledBeforeItsResultIsTaken) {
+  Gate gate;
+  Pipeline<int> pipeline({.own_thread = true, .hand_over = HandOver::when_ready});
+  pipeline.submit(gate.job(1), {1, 0}, {.frames = 2});
+  EXPECT_FALSE(pipeline.settled({20, 0}));
+  gate.open();
+  pipeline.wait();
+  EXPECT_EQ(pipeline.take_ready({20, 0}), 1);
+  EXPECT_TRUE(pipeline.settled({20, 0}));
+}
+
 TEST(Pipeline, ALiveRunDropsJobsBeyondMaxInFlight) {
   Gate gate;
   Pipeline<int> pipeline({.own_thread = true, .hand_over = HandOver::when_ready, .max_in_flight = 2});

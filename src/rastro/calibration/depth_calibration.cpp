@@ -285,10 +285,11 @@ std::string depth_summary(const DepthCalibration& calibration) {
   return text;
 }
 
-std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter) {
-  std::string text = fmt::format(
-      "depth_factor: {:.10g}\ndepth_offset_m: {:.6g}\ndepth_sigma_m: {:.6g}\ndepth_sigma_per_m2: {:.6g}\n",
-      units_per_meter / calibration.scale, calibration.offset_m, calibration.sigma_m, calibration.sigma_per_m2);
+std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter, double offset_m) {
+  std::string text =
+      fmt::format("depth_factor: {:.10g}\ndepth_offset_m: {:.6g}\ndepth_sigma_m: {:.6g}\ndepth_sigma_per_m2: {:.6g}\n",
+                  units_per_meter / calibration.scale, calibration.scale * offset_m + calibration.offset_m,
+                  calibration.sigma_m, calibration.sigma_per_m2);
   if (calibration.depth_camera)
     text += depth_registration_text({*calibration.depth_camera, calibration.color_from_depth});
   return text;

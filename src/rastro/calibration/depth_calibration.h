@@ -55,8 +55,8 @@ DepthCalibration calibrate_depth(const DepthCalibrationInput& input);
 
 /// In words.
 std::string depth_summary(const DepthCalibration& calibration);
-/// The keys that rastro reads beside a camera's calibration: depth_factor (raw units per meter, given those of the
-/// recording), depth_offset_m, and where depth is not registered depth_camera and color_from_depth; also the noise.
-std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter);
+/// The keys that rastro reads beside a camera's calibration: depth_factor and depth_offset_m of the raw readings, given
+/// those the depth was read with, and where depth is not registered depth_camera and color_from_depth; also the noise.
+std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter, double offset_m);
 
 }  // namespace rastro

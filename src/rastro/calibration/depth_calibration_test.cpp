@@ -86,7 +86,17 @@ TEST(DepthCalibrationTest, ScaleOffsetAndNoiseAreWithinTheirSigmas) {
   EXPECT_NEAR(found.sigma_per_m2, 0.002, 0.0003);
   EXPECT_THAT(found.doubts, Contains(HasSubstr("too small")));
   EXPECT_THAT(found.doubts, Not(Contains(HasSubstr("registered"))));
-  EXPECT_THAT(depth_calibration_text(found, 5000.0), HasSubstr("depth_factor: 490"));
+  EXPECT_THAT(depth_calibration_text(found, 5000.0, 0.0), HasSubstr("depth_factor: 490"));
+}
+
+TEST(DepthCalibrationTest, WhatCorrectsCorrectedDepthCorrectsTheRawReadings) {
+  DepthCalibration found;
+  found.scale = 1.25;
+  found.offset_m = -0.01;
+  // Read as raw / 800 + 0.02; right is 1.25 * that - 0.01 = raw / 640 + 0.015.
+  const std::string text = depth_calibration_text(found, 800.0, 0.02);
+  EXPECT_THAT(text, HasSubstr("depth_factor: 640\n"));
+  EXPECT_THAT(text, HasSubstr("depth_offset_m: 0.015\n"));
 }
 
 TEST(DepthCalibrationTest, DepthThatIsNotRegisteredIsNamedAndItsPoseIsFound) {

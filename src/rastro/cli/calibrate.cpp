@@ -39,8 +39,8 @@ Boards, sizes in meters:
 
 Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr; not of pinhole8), calibration.json,
 residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
-With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout and for
-live depth cameras. Of a depth camera that does not register its depth to the color image, --depth-camera FILE tells the
+With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout, ROS
+bags and live depth cameras. Of a depth camera that does not register its depth to the color image, --depth-camera FILE tells the
 lens (calibrate its infrared images); camera.yaml then has depth_camera and color_from_depth, and every command that is
 given this file, or a recording in TUM layout with it in its folder, puts depth into the color image. --readout-time of a
 rolling shutter is written into all files but Kalibr's.
@@ -152,8 +152,8 @@ DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& r
   return input;
 }
 
-void append_depth(const DepthCalibration& depth, double units_per_meter, const std::filesystem::path& path) {
-  write_text(path, read_text_file(path.string()) + depth_calibration_text(depth, units_per_meter));
+void append_depth(const std::string& depth_text, const std::filesystem::path& path) {
+  write_text(path, read_text_file(path.string()) + depth_text);
 }
 
 /// What does not go together.
@@ -221,10 +221,12 @@ void calibrate(const Flags& flags) {
   catch_interrupts();
   const std::unique_ptr<LiveBoards> page = live_page(flags);
   BoardImages found = find_images(flags, board, page.get());
-  const double depth_factor = found.depth_factor;
+  const double depth_factor = found.depth_factor, depth_offset_m = found.depth_offset_m;
   const CalibrationReport report = report_of(flags, options, std::move(found));
   write_files(report, board, flags.out);
-  if (report.depth) append_depth(*report.depth, depth_factor, std::filesystem::path(flags.out) / "camera.yaml");
+  if (report.depth)
+    append_depth(depth_calibration_text(*report.depth, depth_factor, depth_offset_m),
+                 std::filesystem::path(flags.out) / "camera.yaml");
   if (flags.data.json) {
     fmt::print("{}", calibration_json(report));
   } else if (!flags.data.quiet) {

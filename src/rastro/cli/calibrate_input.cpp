@@ -142,6 +142,7 @@ BoardImages find_boards(const DataFlags& flags, const Board& board, const BoardS
   result.input.board = board.points();
   result.input.stereo = search_for.is_pair();
   result.depth_factor = left_source->info().depth_factor;
+  result.depth_offset_m = left_source->info().depth_offset_m;
   BoardSearch search(board, result);
   std::vector<FoundBoard> found;
   const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, left_source->info().frame_count));

@@ -20,6 +20,7 @@ struct BoardImages {
   int near_another = 0;            ///< Not used: the board was where it was in another image.
   std::vector<DepthImage> depths;  ///< Per frame of the input; empty where there is none.
   double depth_factor = 0.0;       ///< Raw units per meter, where there is depth.
+  double depth_offset_m = 0.0;     ///< Added to each depth as it was read.
 };
 
 struct BoardSearchOptions {

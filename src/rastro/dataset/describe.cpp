@@ -78,6 +78,12 @@ std::string describe_camera(const Camera& camera) {
   return text;
 }
 
+std::string describe_depth_units(const SourceInfo& info) {
+  std::string text = fmt::format("{:g} units a meter", info.depth_factor);
+  if (info.depth_offset_m != 0.0) text += fmt::format(", {:+.1f} mm", 1e3 * info.depth_offset_m);
+  return text;
+}
+
 std::string describe_scan(const LaserScan& scan) {
   const auto last = scan.ranges.empty() ? 0 : scan.ranges.size() - 1;
   return fmt::format("{} beams from {:.2f} to {:.2f} deg, {:g} to {:g} m", scan.ranges.size(),
@@ -104,7 +110,7 @@ std::string describe(const SourceInfo& info, bool with_warnings, const LaserScan
     add_line(text, "odometry", info.has_odometry ? "of the wheels" : "none");
   if (info.has_landmarks) add_line(text, "landmarks", "by range and bearing");
   if (info.has_imu) add_line(text, "inertial", "yes");
-  if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a meter", info.depth_factor));
+  if (info.has_depth) add_line(text, "depth", describe_depth_units(info));
   if (info.has_depth && info.depth_registration)
     add_line(text, "",
              fmt::format("of {}, put into the color image", describe_camera(info.depth_registration->depth_camera)));
@@ -128,6 +134,7 @@ nlohmann::ordered_json source_fields(const SourceInfo& info) {
   fields["has_imu"] = info.has_imu;
   fields["has_depth"] = info.has_depth;
   if (info.has_depth) fields["depth_factor"] = info.depth_factor;
+  if (info.has_depth) fields["depth_offset_m"] = info.depth_offset_m;
   if (info.has_depth) fields["depth_is_put_into_color"] = info.depth_registration.has_value();
   fields["ground_truth_poses"] = info.ground_truth.size();
   if (!info.ground_truth.empty()) {

@@ -56,8 +56,8 @@ class RecordingSource final : public Source {
       require_same_size(first_size_, size_of(frame.right), "the left one", recorded.right);
     }
     if (options_.want_depth && !recorded.depth.empty()) {
-      frame.depth =
-          depth_in_meters(read_raw_depth(recorded.depth), recording_.info.depth_factor, recording_.depth_offset_m);
+      const SourceInfo& info = recording_.info;
+      frame.depth = depth_in_meters(read_raw_depth(recorded.depth), info.depth_factor, info.depth_offset_m);
       frame.depth_stamp = recorded.depth_stamp;
       if (!recording_.info.depth_registration && !options_.raw_depth)
         require_same_size(first_size_, size_of(frame.depth), "the color image", recorded.depth);

@@ -26,7 +26,6 @@ struct RecordedFrame {
 struct Recording {
   SourceInfo info;
   std::vector<RecordedFrame> frames;  ///< In the order of the recording's list, stamps as they stand there.
-  double depth_offset_m = 0.0;        ///< To be added to each depth.
   std::string stamp_unit = "s";  ///< What the stamps are written in; "date" for KITTI raw, "" where there are none.
 };
 

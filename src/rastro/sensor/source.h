@@ -38,7 +38,8 @@ struct SourceInfo {
   bool has_odometry = false;
   bool has_landmarks = false;
   bool has_imu = false;
-  double depth_factor = 0.0;  ///< Raw depth units per meter.
+  double depth_factor = 0.0;    ///< Raw depth units per meter.
+  double depth_offset_m = 0.0;  ///< Was added to each depth: meters = raw / depth_factor + depth_offset_m.
   /// The depth camera whose depth is put into the color image as frames are read; nullopt: it is there already.
   std::optional<DepthRegistration> depth_registration;
   bool has_stamps = true;          ///< False: stamps are computed from --rate.

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "rastro/base/text.h"
+#include "rastro/dataset/depth_readings.h"
 #include "rastro/dataset/live/camera_image.h"
-#include "rastro/dataset/live/depth_readings.h"
 
 namespace rastro {
 namespace {
@@ -154,8 +154,7 @@ std::unique_ptr<LiveSource> open_freenect(const std::string& address, const std:
   if (!given) calibrated.field_of_view_deg = usual_field_of_view_deg;
   SourceInfo info = camera_info(address, "live_freenect", ImageSize{width, height}, calibrated);
   if (!given) info.cameras.front().calibration_file = "the usual lens of a Kinect 1";
-  info.has_depth = true;
-  info.depth_factor = units_per_meter;
+  describe_depth(readings, info);
   return make_live_camera(std::move(info), std::move(device), open_device, options, {}, clock);
 }
 

@@ -14,6 +14,7 @@
 namespace rastro {
 namespace {
 
+using testing::Contains;
 using testing::HasSubstr;
 
 constexpr TimeNs ms = 1'000'000;
@@ -147,7 +148,7 @@ TEST_F(Freenect, DepthIsCorrectedAndRegisteredAsItWasCalibrated) {
   const ScratchFolder folder;
   const std::string color =
       "image_width: 640\nimage_height: 480\ncamera_matrix: [525, 0, 320, 0, 525, 240, 0, 0, 1]\n"
-      "distortion_model: plumb_bob\ndistortion_coefficients: [0, 0, 0, 0, 0]\ndepth_factor: 500\n"
+      "distortion_model: plumb_bob\ndistortion_coefficients: [0, 0, 0, 0, 0]\ndepth_factor: 800\n"
       "depth_offset_m: 0.01\n";
   folder.write("plain.yaml", color);
   folder.write("beside.yaml", color +
@@ -158,17 +159,32 @@ TEST_F(Freenect, DepthIsCorrectedAndRegisteredAsItWasCalibrated) {
   options.want_depth = true;
   options.calibration_file = folder.path("plain.yaml");
   kinect_.add(0, 0, 20);
-  EXPECT_NEAR(next(*camera(options))->frame.depth.at(300, 200), 2.05F, 1e-6F);
+  EXPECT_NEAR(next(*camera(options))->frame.depth.at(300, 200), 1.285F, 1e-6F);
   EXPECT_TRUE(kinect_.is_registered);
   options.calibration_file = folder.path("beside.yaml");
   kinect_.images.clear();
   kinect_.add(0, 0, 20);
   const auto source = registered_depth(camera(options), options);
   EXPECT_FALSE(kinect_.is_registered) << "rastro does it";
-  EXPECT_NEAR(next(*source)->frame.depth.at(300, 200), 2.55F, 1e-5F);
+  EXPECT_NEAR(next(*source)->frame.depth.at(300, 200), 1.785F, 1e-5F);
   options.raw_depth = true;
   kinect_.add(33, 33, 20);
-  EXPECT_NEAR(next(*registered_depth(camera(options), options))->frame.depth.at(300, 200), 2.05F, 1e-6F);
+  EXPECT_NEAR(next(*registered_depth(camera(options), options))->frame.depth.at(300, 200), 1.285F, 1e-6F);
+}
+
+TEST_F(Freenect, TheDepthFactorOfOtherRecordingsIsNotUsedAndNamed) {
+  const ScratchFolder folder;
+  folder.write("tum.yaml",
+               "image_width: 640\nimage_height: 480\ncamera_matrix: [525, 0, 320, 0, 525, 240, 0, 0, 1]\n"
+               "depth_factor: 5000\n");
+  OpenOptions options;
+  options.want_depth = true;
+  options.calibration_file = folder.path("tum.yaml");
+  kinect_.add(0, 0, 20);
+  const auto source = camera(options);
+  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("depth_factor 5000 is not used")));
+  EXPECT_EQ(source->info().depth_factor, 1000.0);
+  EXPECT_NEAR(next(*source)->frame.depth.at(300, 200), 1.02F, 1e-6F);
 }
 
 TEST_F(Freenect, WhatCannotBeOpenedSaysWhatToDo) {

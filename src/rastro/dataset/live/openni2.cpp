@@ -14,8 +14,8 @@
 #include <string_view>
 
 #include "rastro/base/text.h"
+#include "rastro/dataset/depth_readings.h"
 #include "rastro/dataset/live/camera_image.h"
-#include "rastro/dataset/live/depth_readings.h"
 
 namespace rastro {
 namespace {
@@ -227,8 +227,7 @@ std::unique_ptr<LiveSource> open_openni2(const std::string& address, const std::
   if (!given && angle > 1.0 && angle < 179.0) calibrated.field_of_view_deg = angle;
   SourceInfo info = camera_info(address, "live_openni2", device->size(), calibrated);
   if (!given && info.cameras.front().camera) info.cameras.front().calibration_file = "OpenNI2's field of view";
-  info.has_depth = true;
-  info.depth_factor = units_per_meter;
+  describe_depth(readings, info);
   if (device->lacks_registration())
     info.warnings.push_back(address +
                             ": the camera does not register its depth to color; 'rastro calibrate --depth "

@@ -57,11 +57,13 @@ cv::Mat mat_of(const ColorImage& color) {
   return mat;
 }
 
-cv::Mat mat_of(const DepthImage& depth, double units_per_meter) {
+/// Of meters = raw / units_per_meter + offset_m.
+cv::Mat mat_of(const DepthImage& depth, double units_per_meter, double offset_m) {
   cv::Mat mat(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x) {
-      const double raw = std::round(static_cast<double>(depth.at(x, y)) * units_per_meter);
+      const auto meters = static_cast<double>(depth.at(x, y));
+      const double raw = meters > 0.0 ? std::round((meters - offset_m) * units_per_meter) : 0.0;
       mat.at<std::uint16_t>(y, x) = raw >= 1.0 && raw <= 65534.0 ? static_cast<std::uint16_t>(raw) : std::uint16_t{0};
     }
   return mat;
@@ -146,12 +148,16 @@ class RecordingWriter::EurocLayout final : public Layout {
 class RecordingWriter::TumLayout final : public Layout {
  public:
   TumLayout(const SourceInfo& info, const fs::path& folder)
-      : folder_(folder), units_per_meter_(info.depth_factor > 0.0 ? info.depth_factor : usual_units_per_meter) {
+      : folder_(folder),
+        units_per_meter_(info.depth_factor > 0.0 ? info.depth_factor : usual_units_per_meter),
+        offset_m_(info.depth_offset_m) {
     make_folder(folder_ / "rgb");
     make_folder(folder_ / "depth");
     if (!info.cameras.empty() && info.cameras.front().camera)
       write_whole_file(folder_ / "camera.yaml", opencv_calibration_text(info.cameras.front()));
-    write_whole_file(folder_ / "info.txt", fmt::format("depth_factor: {:.17g}\n", units_per_meter_));
+    std::string text = fmt::format("depth_factor: {:.17g}\n", units_per_meter_);
+    if (offset_m_ != 0.0) text += fmt::format("depth_offset_m: {:.17g}\n", offset_m_);
+    write_whole_file(folder_ / "info.txt", text);
     color_.append(list_header);
   }
 
@@ -161,7 +167,7 @@ class RecordingWriter::TumLayout final : public Layout {
     if (!frame.depth.empty()) {
       const std::string depth_stamp = seconds_text(frame.depth_stamp);
       const std::string depth_name = "depth/" + depth_names_.name(depth_stamp);
-      write_png(folder_ / depth_name, mat_of(frame.depth, units_per_meter_));
+      write_png(folder_ / depth_name, mat_of(frame.depth, units_per_meter_, offset_m_));
       if (!depth_) {
         depth_ = std::make_unique<AppendFile>(folder_ / "depth.txt");
         depth_->append(list_header);
@@ -176,7 +182,7 @@ class RecordingWriter::TumLayout final : public Layout {
 
  private:
   const fs::path folder_;
-  const double units_per_meter_;
+  const double units_per_meter_, offset_m_;
   AppendFile color_{folder_ / "rgb.txt"};
   std::unique_ptr<AppendFile> depth_, pairs_;  ///< From the first depth on: readers refuse empty lists.
   StampNames names_, depth_names_;

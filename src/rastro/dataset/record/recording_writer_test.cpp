@@ -93,6 +93,18 @@ TEST(RecordingWriter, LosesNothingOfAStereoPairOrOfColorAndDepth) {
   EXPECT_FALSE(with_depth.front().depth.empty());
 }
 
+TEST(RecordingWriter, KeepsTheReadingsOfDepthThatACalibrationCorrected) {
+  const ScratchFolder folder;
+  write_tum(folder, 3);
+  folder.write("camera.yaml",
+               "image_width: 8\nimage_height: 6\ncamera_matrix: [8, 0, 3.5, 0, 8, 2.5, 0, 0, 1]\n"
+               "depth_factor: 4987.3\ndepth_offset_m: -0.0123\n");
+  copy(folder.path(), folder.path("copy"));
+  const auto frames = read_all(folder.path("copy"));
+  ASSERT_GT(frames.front().depth.at(3, 3), 0.0F);
+  expect_same(read_all(folder.path()), frames);
+}
+
 TEST(RecordingWriter, KeepsStampsTotheNanosecondAlsoIfTheyRepeat) {
   const ScratchFolder folder;
   SourceInfo info;

@@ -139,14 +139,14 @@ DecodedImage image_of(const CompressedMessage& message, bool want_color, const s
 
 bool is_depth(const ImageMessage& message) { return message.encoding == "16UC1" || message.encoding == "32FC1"; }
 
-DepthImage depth_of(const ImageMessage& message, const std::string& where) {
+DepthImage depth_of(const ImageMessage& message, const std::string& where, const DepthReadings& readings) {
   const cv::Mat mat = mat_of(message, where);
   DepthImage depth(mat.cols, mat.rows);
   for (int y = 0; y < mat.rows; ++y) {
     for (int x = 0; x < mat.cols; ++x) {
       const float meters =
           mat.depth() == CV_32F ? mat.at<float>(y, x) : static_cast<float>(mat.at<std::uint16_t>(y, x)) * 1e-3F;
-      depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? meters : 0.0F;
+      depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? readings.corrected(meters) : 0.0F;
     }
   }
   return depth;

@@ -13,6 +13,7 @@
 #include <new>
 #include <string>
 
+#include "rastro/dataset/depth_readings.h"
 #include "rastro/dataset/image_file.h"
 #include "rastro/sensor/source.h"
 
@@ -52,7 +53,7 @@ ImuSample sample_of(const ImuMessage& message);
 DecodedImage image_of(const ImageMessage& message, bool want_color, const std::string& where);
 DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where);
 /// Meters from 16UC1 (millimeters) or 32FC1 (meters).
-DepthImage depth_of(const ImageMessage& message, const std::string& where);
+DepthImage depth_of(const ImageMessage& message, const std::string& where, const DepthReadings& readings);
 bool is_depth(const ImageMessage& message);
 /// nullopt where the message says that nobody calibrated, or has a distortion that Camera does not have.
 std::optional<Camera> camera_of(const CameraMessage& message, bool rectified);

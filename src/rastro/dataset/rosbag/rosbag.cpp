@@ -23,6 +23,7 @@ namespace rastro {
 namespace {
 
 constexpr TimeNs most_depth_offset = 20'000'000;
+constexpr double units_per_meter = 1000.0;  ///< REP 118; depth as float is in meters.
 constexpr TimeNs farthest_look_ahead = 200'000'000;
 
 /// The topics that are read; empty where there is none.
@@ -184,8 +185,10 @@ class BagSource final : public Source {
     info_.has_image = !info_.has_scan;
     info_.has_odometry = !topics_.odometry.empty();
     info_.has_imu = !topics_.imu.empty();
-    info_.has_depth = !topics_.depth.empty();
-    info_.depth_factor = info_.has_depth ? 1000.0 : 0.0;
+    if (!topics_.depth.empty()) {
+      readings_ = depth_readings(options_, units_per_meter);
+      describe_depth(readings_, info_);
+    }
     info_.frame_count = contents.message_count.at(topics_.main());
     const auto images = topics_of(contents, "sensor_msgs/Image");
     if (info_.has_scan && !images.empty())
@@ -287,7 +290,7 @@ class BagSource final : public Source {
       where = where_of(*message);
     }
     if (!nearest) return;
-    frame.depth = depth_of(*nearest, where);
+    frame.depth = depth_of(*nearest, where, readings_);
     frame.depth_stamp = nanoseconds(nearest->header.stamp);
     if (info_.depth_registration || options_.raw_depth) return;
     if (frame.depth.width() != frame.image.width() || frame.depth.height() != frame.image.height())
@@ -317,6 +320,7 @@ class BagSource final : public Source {
   ImageSize first_size_;
   std::optional<SE2> odometry_;
   std::vector<ImuSample> imu_;
+  DepthReadings readings_;
   std::optional<BagMessage> last_depth_;
   std::int64_t at_ = 0;  ///< Number of the next message of the main topic.
   std::int64_t position_ = 0;

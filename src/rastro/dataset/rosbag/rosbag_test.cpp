@@ -175,6 +175,39 @@ TEST(RosBag, ImagesComeWithTheNearestDepthAndTheirCalibration) {
   EXPECT_EQ(report.depth.depth_measured_percent, 100.0);
 }
 
+TEST(RosBag, DepthIsCorrectedAndPutIntoColorAsItWasCalibrated) {
+  const ScratchFolder folder;
+  {
+    BagWriter bag(folder.path("a.bag"));
+    for (int k = 0; k < 2; ++k) {
+      bag.image("/camera/depth/image", k, "16UC1", {0xD0, 0x07}, 16, 12);  // 2000 mm
+      bag.image("/camera/rgb/image_color", k, "rgb8", {50, 0, 0});
+    }
+  }
+  const std::string color = "image_width: 8\nimage_height: 6\ncamera_matrix: [8, 0, 3.5, 0, 8, 2.5, 0, 0, 1]\n";
+  const std::string beside =
+      "depth_camera:\n  image_width: 16\n  image_height: 12\n"
+      "  camera_matrix: [12, 0, 7.5, 0, 12, 5.5, 0, 0, 1]\n"
+      "color_from_depth: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -0.5, 0, 0, 0, 1]\n";
+  folder.write("corrected.yaml", color + "depth_factor: 800\ndepth_offset_m: 0.01\n" + beside);
+  folder.write("tum.yaml", color + "depth_factor: 5000\n" + beside);
+  OpenOptions options;
+  options.want_depth = true;
+  options.calibration_file = folder.path("corrected.yaml");
+  const auto corrected = open(folder.path("a.bag"), options);
+  EXPECT_EQ(corrected->info().depth_factor, 800.0);
+  EXPECT_EQ(corrected->info().depth_offset_m, 0.01);
+  const DepthImage depth = corrected->next()->depth;
+  ASSERT_EQ(depth.width(), 8);
+  EXPECT_NEAR(depth.at(4, 3), 2.0F * 1.25F + 0.01F - 0.5F, 1e-5F);
+  options.calibration_file = folder.path("tum.yaml");
+  const auto foreign = open(folder.path("a.bag"), options);
+  EXPECT_THAT(foreign->info().warnings, Contains(HasSubstr("depth_factor 5000 is not used")));
+  EXPECT_NEAR(foreign->next()->depth.at(4, 3), 1.5F, 1e-5F);
+  options.calibration_file.clear();
+  EXPECT_THAT(error_of([&] { open(folder.path("a.bag"), options)->next(); }), HasSubstr("another size"));
+}
+
 TEST(RosBag, AnImageTopicCanBeNamedAndABrokenImageCostsOnlyItself) {
   const ScratchFolder folder;
   {

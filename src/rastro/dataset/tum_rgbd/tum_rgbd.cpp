@@ -91,7 +91,7 @@ void set_depth_factor(Recording& recording, const fs::path& folder, bool publish
   if (!given.empty())
     if (const auto factor = read_depth_factor(given)) {
       recording.info.depth_factor = factor->units_per_meter;
-      recording.depth_offset_m = factor->offset_m;
+      recording.info.depth_offset_m = factor->offset_m;
       return;
     }
   if (published) return;
@@ -100,7 +100,7 @@ void set_depth_factor(Recording& recording, const fs::path& folder, bool publish
     if (!frame.depth.empty()) files.push_back(frame.depth);
   const auto factor = find_depth_factor(folder, files);
   recording.info.depth_factor = factor.units_per_meter;
-  recording.depth_offset_m = factor.offset_m;
+  recording.info.depth_offset_m = factor.offset_m;
   if (factor.is_a_guess) {
     recording.info.warnings.push_back(fmt::format("depth is assumed to have {:g} units per meter, because {}",
                                                   factor.units_per_meter, factor.reason));

@@ -35,6 +35,9 @@ class KeyframePipeline {
   MapMemory map_memory() const { return thinning_.memory(session_.trajectory.bytes()); }
   /// Whether local mapping has no job in flight.
   bool idle() const { return mapping_.empty(); }
+  /// Whether it is time for another keyframe: idle, and in a live run no sooner than offline. Keyframes of every frame,
+  /// as a fast machine could map them, have less parallax and give a worse map.
+  bool settled(TimeNs stamp) const { return mapping_.settled(session_.frame_time(stamp)); }
 
   /// Takes the results that are to be handed over at this frame.
   void take_results(TimeNs stamp, std::vector<SlamEvent>& events);

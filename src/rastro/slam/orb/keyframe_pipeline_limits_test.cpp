@@ -88,6 +88,7 @@ TEST(KeyframePipeline, InALiveRunFourKeyframesMayWait) {
     bench.pipeline.take_results(1, events);
     EXPECT_EQ(bench.pipeline.idle(), live) << "handed over as soon as they are ready, else after the delay";
     EXPECT_TRUE(bench.pipeline.accepts());
+    EXPECT_FALSE(bench.pipeline.settled(1)) << "a live run takes no more keyframes than one that waits for the delay";
   }
 }
 

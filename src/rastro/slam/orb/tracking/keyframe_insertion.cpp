@@ -13,7 +13,7 @@ bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const Tracking
   const std::int64_t now = session_.frame_number;
   if (relocalized_frame_ > 0 && now - relocalized_frame_ < options.settled_frames) return false;
   const bool overdue = static_cast<double>(now - keyframe_frame_) > session_.spacing * options.keyframe_frames;
-  if (!pipeline_.idle() && !overdue) return false;
+  if (!pipeline_.settled(frame.data().stamp) && !overdue) return false;
   const int landmarks = tracker_.view()->keyframe(tracked.reference).landmarks;
   const double share =
       session_.keyframe_share * (session_.mono() ? options.keyframe_share : options.keyframe_share_depth);
