@@ -8,14 +8,25 @@ namespace rastro {
 namespace {
 
 /// Between the darkest and the brightest around, gray levels: more than noise of a usual image.
-constexpr double least_contrast = 25.0;
+constexpr int least_contrast = 25;
 
 }  // namespace
 
 cv::Mat ContrastArea::dark(double level) const {
-  cv::Mat threshold;
-  cv::addWeighted(darkest, 1.0 - level, brightest, level, 0.0, threshold);
-  return (image < threshold) & (brightest - darkest > least_contrast);
+  // One pass that compilers vectorize: OpenCV's operators take six, a quarter of the time of a search for tags.
+  const int share = cvRound(65536.0 * level);
+  cv::Mat mask(image.size(), CV_8UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    const auto *gray = image.ptr<std::uint8_t>(y), *low = darkest.ptr<std::uint8_t>(y),
+               *high = brightest.ptr<std::uint8_t>(y);
+    auto* out = mask.ptr<std::uint8_t>(y);
+    for (int x = 0; x < image.cols; ++x) {
+      const int contrast = std::max(0, high[x] - low[x]);
+      const int threshold = low[x] + ((contrast * share + 32768) >> 16);
+      out[x] = contrast > least_contrast && gray[x] < threshold ? 255 : 0;
+    }
+  }
+  return mask;
 }
 
 cv::Point2f ContrastArea::in_image(const cv::Point2f& in_area) const {

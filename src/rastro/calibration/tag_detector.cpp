@@ -28,11 +28,10 @@ using FoundTags = std::map<int, TagQuad>;
 
 /// From the board's plane to the image, as the corners of one tag say.
 cv::Matx33d image_from_board(const BoardTag& tag, double side, const TagQuad& corners) {
-  const auto left = static_cast<float>(tag.upper_left.x()), top = static_cast<float>(tag.upper_left.y());
-  const auto s = static_cast<float>(side);
-  const TagQuad flat = {cv::Point2f(left, top), {left + s, top}, {left + s, top + s}, {left, top + s}};
-  const cv::Mat homography = cv::getPerspectiveTransform(flat.data(), corners.data());
-  return cv::Matx33d(homography.ptr<double>());
+  const cv::Matx33d square_from_board(1.0 / side, 0.0, -tag.upper_left.x() / side,  //
+                                      0.0, 1.0 / side, -tag.upper_left.y() / side,  //
+                                      0.0, 0.0, 1.0);
+  return image_from_square(corners) * square_from_board;
 }
 
 /// How the tags of a board are read.

@@ -56,9 +56,8 @@ std::vector<TagQuad> quads_of(const cv::Mat& mask, int radius) {
 /// Gray of the cells of a tag, row by row.
 std::vector<float> cell_values(const cv::Mat& image, const TagQuad& quad, int cells) {
   constexpr double samples[][2] = {{0.5, 0.5}, {0.7, 0.5}, {0.3, 0.5}, {0.5, 0.7}, {0.5, 0.3}};
-  const auto end = static_cast<float>(cells);
-  const TagQuad flat = {cv::Point2f(0.0F, 0.0F), {end, 0.0F}, {end, end}, {0.0F, end}};
-  const cv::Matx33d homography(cv::Mat(cv::getPerspectiveTransform(flat.data(), quad.data())).ptr<double>());
+  const double side = 1.0 / cells;
+  const cv::Matx33d homography = image_from_square(quad) * cv::Matx33d(side, 0, 0, 0, side, 0, 0, 0, 1);
   std::vector<float> values;
   for (int y = 0; y < cells; ++y)
     for (int x = 0; x < cells; ++x) {
@@ -95,6 +94,15 @@ float narrowest_width(const TagQuad& quad) {
 
 cv::Point2f center_of(const TagQuad& quad) { return (quad[0] + quad[1] + quad[2] + quad[3]) * 0.25F; }
 
+cv::Matx33d image_from_square(const TagQuad& quad) {
+  const cv::Point2d a = quad[0], b = quad[1], c = quad[2], d = quad[3];
+  const cv::Point2d right = b - c, down = d - c, sum = a - b + c - d;
+  const double area = right.x * down.y - right.y * down.x;
+  if (std::abs(area) < 1e-12) return cv::Matx33d::zeros();
+  const double g = (sum.x * down.y - sum.y * down.x) / area, h = (right.x * sum.y - right.y * sum.x) / area;
+  return {b.x - a.x + g * b.x, d.x - a.x + h * d.x, a.x, b.y - a.y + g * b.y, d.y - a.y + h * d.y, a.y, g, h, 1.0};
+}
+
 cv::Point2f mapped(const cv::Matx33d& homography, double x, double y) {
   const cv::Vec3d image = homography * cv::Vec3d(x, y, 1.0);
   if (!(std::abs(image[2]) > 1e-12)) return {-1e6F, -1e6F};
@@ -105,9 +113,15 @@ std::vector<TagQuad> dark_quads(const cv::Mat& image) {
   std::vector<TagQuad> result;
   const auto area = contrast_area(image, 2.0F, largest_side);
   if (!area) return result;
+  double level_of_mask = -1.0;
+  cv::Mat mask;
   for (const auto& [level, radius] : partings) {
-    cv::Mat dark = area->dark(level);
-    if (radius > 0) cv::erode(dark, dark, cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
+    if (level != level_of_mask) mask = area->dark(level_of_mask = level);
+    cv::Mat dark = mask;
+    if (radius > 0) {
+      dark.release();
+      cv::erode(mask, dark, cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
+    }
     for (TagQuad& quad : quads_of(dark, radius)) {
       for (cv::Point2f& corner : quad) corner = area->in_image(corner);
       result.push_back(quad);

@@ -20,6 +20,9 @@ float shortest_side(const TagQuad& quad);
 float narrowest_width(const TagQuad& quad);
 cv::Point2f center_of(const TagQuad& quad);
 
+/// The homography of the unit square, (0, 0) to the first corner, (1, 0) to the second (Heckbert 1989, 2.2.3); zeros
+/// for quads without area.
+cv::Matx33d image_from_square(const TagQuad& quad);
 /// Where a homography maps a point; far outside of every image where it maps it to infinity.
 cv::Point2f mapped(const cv::Matx33d& homography, double x, double y);
 

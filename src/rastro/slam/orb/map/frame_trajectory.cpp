@@ -40,7 +40,8 @@ void FrameTrajectory::forget_observations() {
 
 std::size_t FrameTrajectory::bytes() const {
   std::size_t bytes = frames_.size() * sizeof(TrackedFrame);
-  for (const TrackedFrame& frame : frames_) bytes += frame.seen.size() * sizeof(FrameObservation);
+  for (const TrackedFrame& frame : frames_)
+    bytes += frame.seen.size() * sizeof(FrameObservation) + (frame.direct ? sizeof(DirectObservation) : 0);
   return bytes;
 }
 
@@ -74,6 +75,7 @@ std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::
     if (frame.seen.empty()) continue;
     taken.push_back(frame);
     frame.seen = std::vector<FrameObservation>();
+    frame.direct.reset();
   }
   return taken;
 }

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "rastro/sensor/trajectory.h"
@@ -35,7 +35,8 @@ struct TrackedFrame {
   double unit = 1.0;                   ///< The keyframe's unit when the frame was tracked.
   std::int64_t became = -1;            ///< The keyframe made from it; -1: none.
   std::vector<FrameObservation> seen;  ///< The observations used for its pose.
-  std::optional<DirectObservation> direct = {};
+  /// Null: none. Elsewhere, since most frames are only remembered: a live run has 100,000 in an hour.
+  std::shared_ptr<const DirectObservation> direct = {};
 };
 
 /// Re-estimates the pose from the frame's observations and its direct one in the current map; kept with fewer than
@@ -55,7 +56,8 @@ class FrameTrajectory {
   /// As refine_frame(), of all frames.
   void refine(const MapGraph& graph, int least);
   /// So that memory does not grow with time: the frames with observations except the last `kept` of them, for
-  /// refine_frame() beside tracking. They lose their observations here, not their poses. Empty for fewer than `least`.
+  /// refine_frame() beside tracking. They lose their observations here, also the direct ones, not
+  /// their poses. Empty for fewer than `least`.
   std::vector<TrackedFrame> take_observed(std::size_t kept, std::size_t least);
   /// Sets the poses of frames refined meanwhile; those that are no longer here are left out.
   void put_back(const std::vector<TrackedFrame>& refined);

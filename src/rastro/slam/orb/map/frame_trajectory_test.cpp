@@ -266,6 +266,19 @@ TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
   }
 }
 
+/// A camera that stays in one place for an hour gives 100,000 frames and hardly a keyframe.
+TEST(FrameTrajectory, AFrameThatIsOnlyRememberedIsSmall) {
+  PathBench bench(CameraKind::depth);
+  for (int k = 1; k < 7; ++k) {
+    TrackedFrame frame = bench.seeing(k, 0, pose_at(0.1 * k), SE3());
+    frame.direct = std::make_shared<DirectObservation>();
+    bench.recorded.add(frame);
+  }
+  EXPECT_GT(bench.recorded.bytes(), 6U * sizeof(DirectObservation));
+  ASSERT_EQ(bench.recorded.take_observed(0, 6).size(), 6U);
+  EXPECT_LE(bench.recorded.bytes(), 6U * 192U);
+}
+
 /// What whole images say of the pose counts with the features, by its certainty.
 TEST(FrameTrajectory, RefinesWithTheDirectPose) {
   PathBench bench(CameraKind::depth);
@@ -273,7 +286,8 @@ TEST(FrameTrajectory, RefinesWithTheDirectPose) {
   const SE3 relative = (bench.map.graph.camera_from_world(1) * by_images).inverse();
   for (const double sigma : {1e-7, 10.0}) {
     TrackedFrame frame = bench.seeing(3, 0, by_features, SE3(SO3(), {0.002, 0.0, 0.0}));
-    frame.direct = DirectObservation{1, {relative, sigma * sigma * Matrix6d::Identity()}};
+    frame.direct =
+        std::make_shared<DirectObservation>(DirectObservation{1, {relative, sigma * sigma * Matrix6d::Identity()}});
     refine_frame(frame, bench.map.graph, 15);
     const SE3 refined = (frame.camera_from_keyframe * bench.map.graph.camera_from_world(0)).inverse();
     EXPECT_THAT(refined, pose_near(sigma < 1.0 ? by_images : by_features, 2e-4, 2e-4)) << sigma;

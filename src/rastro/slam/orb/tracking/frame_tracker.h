@@ -43,10 +43,10 @@ struct TrackingResult {
   double chance_inliers = 0.0;             ///< Inliers that a wrong pose would have, where this had to be known.
   double mean_squared = 0.0;
   std::vector<TrackedPoint> points;
-  std::vector<TrackedPoint> outliers;            ///< Matched, but inconsistent with the pose.
-  std::vector<std::int64_t> visible;             ///< Landmarks that should be visible; ids ascend.
-  std::int64_t reference = -1;                   ///< Keyframe that shares most points.
-  std::optional<DirectObservation> direct = {};  ///< By which the pose was refined.
+  std::vector<TrackedPoint> outliers;                    ///< Matched, but inconsistent with the pose.
+  std::vector<std::int64_t> visible;                     ///< Landmarks that should be visible; ids ascend.
+  std::int64_t reference = -1;                           ///< Keyframe that shares most points.
+  std::shared_ptr<const DirectObservation> direct = {};  ///< By which the pose was refined; null: by features alone.
 };
 
 /// Tracks frames in a view of the map, METHODS 6: by constant velocity, else by the reference keyframe, then by the

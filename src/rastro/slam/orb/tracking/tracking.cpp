@@ -167,7 +167,7 @@ void Tracking::align(const Measurements& measured, TrackingResult& tracked, Slam
                            : session_.direct.alignment->align(*known, *measured.view, by_features.camera_from_keyframe);
   if (aligned) {
     const RelativePose both = fused(by_features, *aligned);
-    tracked.direct = DirectObservation{keyframe->id, *aligned};
+    tracked.direct = std::make_shared<DirectObservation>(DirectObservation{keyframe->id, *aligned});
     tracked.camera_from_world = both.camera_from_keyframe * keyframe->camera_from_world;
     tracked.covariance = both.covariance;
     tracker_.correct(tracked.camera_from_world);
