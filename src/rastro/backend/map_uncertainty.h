@@ -29,6 +29,8 @@ class MapUncertainty {
   void set(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
   /// As set(), where it is less uncertain than before, as after a loop closure.
   void reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
+  /// The part is gone: nothing is tracked against it any more.
+  void forget(std::int64_t part) { parts_.erase(part); }
   /// The part was thought at `before` and is seen at `after` now (world_from_camera), say by landmarks that come back
   /// into view. Where that is beyond 99 % of its errors, one of both is wrong, and the difference is an error too.
   void contradict(std::int64_t part, const SE3& before, const SE3& after);

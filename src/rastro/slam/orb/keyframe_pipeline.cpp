@@ -44,6 +44,7 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
   }
   thinning_.process(trajectory_bytes + local_mapping_.view_bytes(), result.events);
   result.budget = thinning_.budget();
+  result.removed = session_.graph.take_removed();
   result.view = view_of(session_.graph, id, session_.view_options());
   return result;
 }
@@ -92,6 +93,7 @@ void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
     session_.uncertainty.contradict(keyframe.id, keyframe.world_from_camera_before, keyframe.world_from_camera);
   if (result.loop && !result.loop->merged) session_.uncertainty.close_loop(result.loop->matched, result.loop->keyframe);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
+  for (const std::int64_t keyframe : result.removed) session_.uncertainty.forget(keyframe);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
   spend_sparingly(result.budget);
   archive_map();

@@ -70,6 +70,7 @@ class KeyframePipeline {
     std::int64_t keyframe = -1;
     std::shared_ptr<const DirectView> view_of_keyframe;  ///< Null: features alone.
     std::vector<AdjustedKeyframe> adjusted;
+    std::vector<std::int64_t> removed;  ///< Keyframes.
   };
 
   Result process(const KeyframeInput& keyframe, std::size_t trajectory_bytes);

@@ -62,7 +62,8 @@ void FrameTrajectory::set_keyframe(std::int64_t index, std::int64_t keyframe) {
 }
 
 void FrameTrajectory::forget(const MapGraph& graph, int submap) {
-  std::erase_if(frames_, [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; });
+  const auto of_it = [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; };
+  frames_.erase(std::remove_if(frames_.begin(), frames_.end(), of_it), frames_.end());
 }
 
 std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::size_t least) {

@@ -17,6 +17,9 @@ void erase_sorted(std::vector<std::int64_t>& ids, std::int64_t id) {
   if (at != ids.end() && *at == id) ids.erase(at);
 }
 
+/// For those kept by id.
+constexpr auto is_before = [](std::int64_t id, const auto& kept) { return id < kept.first; };
+
 SE3 scaled(const SE3& pose, double factor) { return {pose.rotation(), factor * pose.translation()}; }
 
 }  // namespace
@@ -88,7 +91,9 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   MapKeyframe& gone = keyframe(id);
   RASTRO_CHECK(gone.parent >= 0, "the root of a submap stays");
   const MapKeyframe& parent = keyframe(gone.parent);
-  removed_[id] = {gone.parent, gone.camera_from_world * parent.camera_from_world.inverse(), parent.unit, gone.unit};
+  const Removed kept{gone.parent, gone.camera_from_world * parent.camera_from_world.inverse(), parent.unit, gone.unit};
+  removed_.emplace(std::upper_bound(removed_.begin(), removed_.end(), id, is_before), id, kept);
+  newly_removed_.push_back(id);
   const std::size_t least = sensor_ == CameraKind::mono ? 2 : 1;
   const std::vector<std::int64_t> seen = gone.landmarks;
   for (const std::int64_t landmark_id : seen) {
@@ -137,20 +142,26 @@ void MapGraph::remove_root(std::int64_t id) {
   --keyframe_count_;
 }
 
+const MapGraph::Removed& MapGraph::removed(std::int64_t id) const {
+  const auto after = std::upper_bound(removed_.begin(), removed_.end(), id, is_before);
+  RASTRO_CHECK(after != removed_.begin() && std::prev(after)->first == id, "never a keyframe");
+  return std::prev(after)->second;
+}
+
 SE3 MapGraph::camera_from_world(std::int64_t id) const {
   if (has_keyframe(id)) return keyframe(id).camera_from_world;
-  const Removed& gone = removed_.at(id);
+  const Removed& gone = removed(id);
   return scaled(gone.keyframe_from_parent, unit(gone.parent) / gone.parent_unit) * camera_from_world(gone.parent);
 }
 
 double MapGraph::unit(std::int64_t id) const {
   if (has_keyframe(id)) return keyframe(id).unit;
-  const Removed& gone = removed_.at(id);
+  const Removed& gone = removed(id);
   return gone.unit * unit(gone.parent) / gone.parent_unit;
 }
 
 int MapGraph::submap(std::int64_t id) const {
-  return has_keyframe(id) ? keyframe(id).submap : submap(removed_.at(id).parent);
+  return has_keyframe(id) ? keyframe(id).submap : submap(removed(id).parent);
 }
 
 void MapGraph::set_parent(std::int64_t child, std::int64_t parent) {

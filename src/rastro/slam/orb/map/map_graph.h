@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "rastro/base/id_table.h"
@@ -90,6 +90,8 @@ class MapGraph {
   /// Removes its observations, and landmarks left with fewer than two observations (mono; one where depths are known).
   /// Its children get new parents among its parent and each other, by covisibility. Not for the root of a submap.
   void remove_keyframe(std::int64_t id);
+  /// Those removed by remove_keyframe() since the last call.
+  std::vector<std::int64_t> take_removed() { return std::exchange(newly_removed_, {}); }
   /// Removes the last keyframe of a submap, with its landmarks, when its initialization is undone.
   void remove_root(std::int64_t id);
   /// Also for removed keyframes: those keep their pose relative to their parent.
@@ -149,6 +151,7 @@ class MapGraph {
     double parent_unit = 1.0;  ///< ... which is this.
     double unit = 1.0;         ///< The keyframe's own unit then.
   };
+  const Removed& removed(std::int64_t id) const;
   void move_children(const MapKeyframe& gone);
   MapLandmark& add_landmark(std::int64_t id, const Eigen::Vector3d& position, std::int64_t keyframe);
   void count(std::int64_t a, std::int64_t b, int change);
@@ -160,7 +163,9 @@ class MapGraph {
   std::vector<double> level_scales_;
   std::vector<std::unique_ptr<MapKeyframe>> keyframes_;  ///< By id; null: removed.
   IdTable<MapLandmark> landmarks_;
-  std::map<std::int64_t, Removed> removed_;
+  /// By id. Not a node each: small ones that stay, between large ones that go, keep whole pages of memory.
+  std::vector<std::pair<std::int64_t, Removed>> removed_;
+  std::vector<std::int64_t> newly_removed_;
   FusedLandmarks fused_{16000};  ///< Frames refer to landmarks for 600 frames, with up to 25 fused in each.
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
   std::vector<Constraint> constraints_;
