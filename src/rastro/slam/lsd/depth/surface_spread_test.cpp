@@ -14,13 +14,13 @@ InverseDepthMap step_at_column_8(float variance) {
   return map;
 }
 
-TEST(SurfaceSpread, IsTheDistanceToAnotherSurfaceWithinTwoPixels) {
+TEST(SurfaceSpread, IsTheDistanceToAnotherSurfaceWithinSixPixels) {
   const InverseDepthMap map = step_at_column_8(1e-4F);
-  // Of eight neighbors and the pixel itself, three lie beyond the step: (2, 0), (1, -1) and (1, 1).
-  EXPECT_NEAR(surface_spread(map, 7, 6), 0.25 * 3.0 / 9.0, 1e-6);
-  EXPECT_NEAR(surface_spread(map, 6, 6), 0.25 / 9.0, 1e-6);
-  EXPECT_EQ(surface_spread(map, 5, 6), 0.0F);
-  EXPECT_EQ(surface_spread(map, 12, 6), 0.0F);
+  // Of 24 neighbors, without the one below the image, and the pixel itself, three of each distance lie beyond the step.
+  EXPECT_NEAR(surface_spread(map, 7, 6), 0.25 * 9.0 / 24.0, 1e-6);
+  EXPECT_NEAR(surface_spread(map, 6, 6), 0.25 * 7.0 / 24.0, 1e-6);
+  EXPECT_NEAR(surface_spread(map, 5, 6), 0.25 * 6.0 / 23.0, 1e-6);
+  EXPECT_EQ(surface_spread(map, 15, 6), 0.0F);
 }
 
 TEST(SurfaceSpread, IsNothingWhereTheVariancesExplainTheDistance) {
@@ -30,7 +30,7 @@ TEST(SurfaceSpread, IsNothingWhereTheVariancesExplainTheDistance) {
 TEST(SurfaceSpread, UnknownNeighborsAndTheBorderDoNotCount) {
   InverseDepthMap map = step_at_column_8(1e-4F);
   for (int y = 0; y < 12; ++y) map.variance.at(9, y) = 0.0F;
-  EXPECT_NEAR(surface_spread(map, 7, 6), 0.25 * 2.0 / 8.0, 1e-6);
+  EXPECT_NEAR(surface_spread(map, 7, 6), 0.25 * 8.0 / 23.0, 1e-6);
   EXPECT_EQ(surface_spread(map, 0, 0), 0.0F);
 }
 
