@@ -3,6 +3,7 @@
 //   rastro simulate hall --out hall
 //   rastro slam hall --method lsd --out run
 //   rastro_bench_semi_dense hall run/map.rastro
+// A third argument is the world's seed (1).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,11 +27,13 @@ namespace {
 
 using namespace rastro;
 
-World world_named(const std::string& name) {
-  const std::map<std::string, std::function<World()>> worlds = {
-      {"hall", [] { return make_hall(); }},       {"street", [] { return make_street(); }},
-      {"loop", [] { return make_loop(); }},       {"corridor", [] { return make_corridor(); }},
-      {"bedroom", [] { return make_bedroom(); }}, {"study", [] { return make_study(); }}};
+World world_named(const std::string& name, std::uint64_t seed) {
+  const std::map<std::string, std::function<World()>> worlds = {{"hall", [=] { return make_hall({.seed = seed}); }},
+                                                                {"street", [=] { return make_street({.seed = seed}); }},
+                                                                {"loop", [=] { return make_loop({.seed = seed}); }},
+                                                                {"corridor", [=] { return make_corridor({.seed = seed}); }},
+                                                                {"bedroom", [=] { return make_bedroom({.seed = seed}); }},
+                                                                {"study", [=] { return make_study({.seed = seed}); }}};
   const auto found = worlds.find(name);
   if (found == worlds.end()) throw Error("is no world of this program", name, "give hall, street, loop or bedroom");
   return found->second();
@@ -70,6 +73,12 @@ void print_errors(const std::string& name, const std::vector<Compared>& pixels, 
              100.0 * median(relative), near / count, inside / count, median(sigmas) / 0.6745);
 }
 
+double median_error(const std::vector<Compared>& pixels) {
+  std::vector<double> relative;
+  for (const Compared& pixel : pixels) relative.push_back(std::abs(pixel.estimate - pixel.exact) / pixel.exact);
+  return median(std::move(relative));
+}
+
 std::vector<Compared> compared(const SemiDenseDepth& depths, const DepthImage& exact) {
   std::vector<Compared> pixels;
   for (const SemiDenseDepth::Pixel& pixel : depths.pixels) {
@@ -82,14 +91,16 @@ std::vector<Compared> compared(const SemiDenseDepth& depths, const DepthImage& e
 }
 
 void run(int argc, char** argv) {
-  if (argc != 3) throw Error("takes a world and a map of a run on it", "rastro_bench_semi_dense", "give both");
-  const World world = world_named(argv[1]);
+  if (argc != 3 && argc != 4)
+    throw Error("takes a world and a map of a run on it", "rastro_bench_semi_dense", "give both");
+  const World world = world_named(argv[1], argc == 4 ? std::stoull(argv[3]) : 1);
   const auto map = load_map(argv[2]);
   const auto layer = map->layer<SemiDenseLayer>();
   if (!layer) throw Error("has no semi-dense depths", argv[2], "give a map made by --method lsd");
   TaskPool pool(1);
   std::vector<Compared> all, by_keyframe;
-  std::size_t keyframes = 0;
+  constexpr double converged = 0.1;
+  std::size_t keyframes = 0, unconverged = 0;
   for (const Keyframe& keyframe : map->keyframes) {
     const auto depths = layer->of.find(keyframe.id);
     if (depths == layer->of.end() || keyframe.submap != 0) continue;
@@ -99,12 +110,15 @@ void run(int argc, char** argv) {
     all.insert(all.end(), pixels.begin(), pixels.end());
     const double own = scale_of_depths(pixels);
     for (Compared& pixel : pixels) pixel.estimate *= own, pixel.sigma *= own;
+    if (median_error(pixels) > converged) unconverged = keyframes;
     by_keyframe.insert(by_keyframe.end(), pixels.begin(), pixels.end());
   }
   const double scale = scale_of(*map).metric ? 1.0 : scale_of_depths(all);
   fmt::print("{:20} {:>7} {:>10} {:>9} {:>9} {:>10}\n", "", "pixels", "median", "within 5%", "2 sigma", "sigmas");
   print_errors("scale of the map", all, scale, keyframes);
   print_errors("scale per keyframe", by_keyframe, 1.0, keyframes);
+  fmt::print("{} of {} keyframes until the median error, each with a scale of its own, stays below 10 %\n", unconverged,
+             keyframes);
 }
 
 }  // namespace

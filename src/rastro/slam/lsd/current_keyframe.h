@@ -32,6 +32,7 @@ class CurrentKeyframe {
 
   std::int64_t id() const { return id_; }
   const Pyramid& pyramid() const { return *pyramid_; }
+  const AlignmentReference& reference() const { return *reference_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
   int pixels() const { return reference_->level(0).count; }  ///< With a depth.
 

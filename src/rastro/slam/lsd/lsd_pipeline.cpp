@@ -118,16 +118,9 @@ AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& worl
 }
 
 void LsdPipeline::doubt(SlamUpdate& update) const {
-  constexpr std::int64_t until_converged = 5;  // keyframes
-  if (current_->submap != 0) {
-    update.reason = SlamReason::apart;
-    update.detail = fmt::format("in submap {}, not connected to the first yet", current_->submap);
-  } else if (options_.start == "random" && current().id() < until_converged) {
-    update.reason = SlamReason::unconfirmed;
-    update.detail = "depths that began at random have not converged yet";
-  } else {
-    return;
-  }
+  if (current_->submap == 0) return;
+  update.reason = SlamReason::apart;
+  update.detail = fmt::format("in submap {}, not connected to the first yet", current_->submap);
   update.state = SlamState::weak;
 }
 

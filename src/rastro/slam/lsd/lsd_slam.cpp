@@ -9,6 +9,7 @@
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/frame_check.h"
+#include "rastro/slam/lsd/initialization/convergence_check.h"
 #include "rastro/slam/lsd/lsd_frame.h"
 #include "rastro/slam/lsd/lsd_motion.h"
 #include "rastro/slam/lsd/lsd_pipeline.h"
@@ -32,6 +33,8 @@ class LsdSlam::State {
   bool is_usable(const Frame& frame, SlamUpdate& update);
   void on_unusable_frame();
   void start(const LsdFrame& frame, SlamUpdate& update);
+  void check_convergence(const LsdFrame& frame, SlamUpdate& update);
+  void doubt(SlamUpdate& update) const;
   JudgedAlignment track(const LsdFrame& frame, SlamUpdate& update);
   void follow(const SharedFrame& frame, SlamUpdate& update);
   void accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
@@ -42,7 +45,9 @@ class LsdSlam::State {
   LsdSensor sensor_;
   LsdFrameMaker frames_;
   FrameCheck check_;
+  TaskPool* context_pool_;
   LsdStart start_;
+  std::optional<ConvergenceCheck> convergence_;  ///< Until random depths have converged; nullopt: others are true.
   PoseSearch search_;
   LsdMotion motion_;
   std::int64_t number_ = 0;  ///< Of the frame, counting all.
@@ -56,6 +61,7 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
       sensor_(sensor),
       frames_(sensor, options.levels, context.pool),
       check_(options.frame_check),
+      context_pool_(context.pool),
       start_(options_, sensor_, frames_, context.pool),
       search_(options_, sensor_.camera),
       mapping_(options_, sensor_, frames_, context),
@@ -111,12 +117,39 @@ void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
   const auto camera_from_keyframe = start_.take(frame, mapping_.idle(motion_, update), search_, update);
   if (!camera_from_keyframe) return;
   mapping_.on_change(true);
-  mapping_.doubt(update);
+  if (options_.start == "random" && !sensor_.is_metric())
+    convergence_.emplace(two_view_options(options_), sensor_.camera, context_pool_);
+  doubt(update);
   update.world_from_body = mapping_.pose_of(*camera_from_keyframe);
   motion_ = {};
   motion_.camera_from_keyframe = *camera_from_keyframe;
   motion_.stamp = update.stamp;
   relocalization_.reset();
+}
+
+void LsdSlam::State::check_convergence(const LsdFrame& frame, SlamUpdate& update) {
+  if (!convergence_) return;
+  convergence_->take(frame, mapping_.current());
+  if (!convergence_->has_converged()) return;
+  const std::int64_t keyframe = mapping_.current().id();
+  update.events.push_back({"converged",
+                           fmt::format("by keyframe {}: depths that began at random differ by {:.0f} % from those of "
+                                       "two views",
+                                       keyframe, 100.0 * convergence_->difference()),
+                           keyframe});
+  convergence_.reset();
+}
+
+/// Says what is not known yet: where a submap lies, and whether random depths have become true ones.
+void LsdSlam::State::doubt(SlamUpdate& update) const {
+  mapping_.doubt(update);
+  if (!convergence_ || update.state == SlamState::weak) return;
+  update.state = SlamState::weak;
+  update.reason = SlamReason::unconfirmed;
+  update.detail = "depths that began at random have not converged yet";
+  if (convergence_->difference() > 0.0)
+    update.detail += fmt::format(": {:.0f} % off those of two views; start=two_views begins with these",
+                                 100.0 * convergence_->difference());
 }
 
 /// What is in doubt is tried again with all that mapping knows by now.
@@ -141,7 +174,8 @@ void LsdSlam::State::follow(const SharedFrame& frame, SlamUpdate& update) {
   if (verdict.grade == PoseGrade::lost || motion_.weak_frames > options_.lost_frames)
     return on_loss(*frame, verdict, update);
   update.state = SlamState::tracking;
-  mapping_.doubt(update);
+  check_convergence(*frame, update);
+  doubt(update);
   accept(*frame, tracked, update);
   update.covariance = mapping_.covariance_of(tracked, update.world_from_body);
   const bool is_sure = verdict.grade != PoseGrade::weak;
@@ -167,6 +201,7 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const PoseVerdict& verdict, 
   update.detail = verdict.detail;
   motion_.lost = true;
   motion_.weak_frames = 0;
+  if (convergence_) convergence_->reset();
   relocalize(frame, true, update);
 }
 

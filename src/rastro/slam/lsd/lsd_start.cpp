@@ -9,13 +9,6 @@
 namespace rastro {
 namespace {
 
-TwoViewStartOptions start_options(const LsdOptions& options) {
-  TwoViewStartOptions start;
-  start.min_parallax_deg = options.init_parallax_deg;
-  start.seed = options.seed;
-  return start;
-}
-
 void set_tracking(SlamUpdate& update) {
   update.state = SlamState::tracking;
   update.reason = SlamReason::none;
@@ -24,8 +17,15 @@ void set_tracking(SlamUpdate& update) {
 
 }  // namespace
 
+TwoViewStartOptions two_view_options(const LsdOptions& options) {
+  TwoViewStartOptions start;
+  start.min_parallax_deg = options.init_parallax_deg;
+  start.seed = options.seed;
+  return start;
+}
+
 LsdStart::LsdStart(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames, TaskPool* pool)
-    : options_(options), sensor_(sensor), frames_(frames), two_views_(start_options(options), sensor.camera, pool) {}
+    : options_(options), sensor_(sensor), frames_(frames), two_views_(two_view_options(options), sensor.camera, pool) {}
 
 std::optional<SE3> LsdStart::take(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update) {
   if (sensor_.is_metric()) return from_sensor(frame, mapping, search, update);

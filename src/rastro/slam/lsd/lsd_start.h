@@ -13,6 +13,9 @@
 
 namespace rastro {
 
+/// Of the features that depths begin with, or are compared with.
+TwoViewStartOptions two_view_options(const LsdOptions& options);
+
 /// Begins a map: with the depths that a pair or a depth camera measures, or of one camera with those of two views or
 /// random ones.
 class LsdStart {
