@@ -25,7 +25,15 @@ SE3 with_direct(const TrackedFrame& frame, const MapGraph& graph, const PoseRefi
 
 }  // namespace
 
+/// An eighth more: doubling takes twice the memory. Not std::deque, whose small blocks stay scattered between what
+/// comes and goes, and keep a page of memory each.
+void FrameTrajectory::make_room() {
+  constexpr std::size_t least = 256;
+  if (frames_.size() == frames_.capacity()) frames_.reserve(frames_.size() + std::max(least, frames_.size() / 8));
+}
+
 void FrameTrajectory::add(const TrackedFrame& frame) {
+  make_room();
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
                                    [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
   const auto added = frames_.insert(at, frame);
@@ -47,6 +55,7 @@ std::size_t FrameTrajectory::bytes() const {
 
 bool FrameTrajectory::repeat_last(std::int64_t index, TimeNs stamp) {
   if (frames_.empty() || frames_.back().index >= index || frames_.back().stamp >= stamp) return false;
+  make_room();
   TrackedFrame frame = frames_.back();
   frame.index = index;
   frame.stamp = stamp;
@@ -62,8 +71,7 @@ void FrameTrajectory::set_keyframe(std::int64_t index, std::int64_t keyframe) {
 }
 
 void FrameTrajectory::forget(const MapGraph& graph, int submap) {
-  const auto of_it = [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; };
-  frames_.erase(std::remove_if(frames_.begin(), frames_.end(), of_it), frames_.end());
+  std::erase_if(frames_, [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; });
 }
 
 std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::size_t least) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <boost/container/deque.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -46,11 +45,6 @@ void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least);
 /// All frames that have a pose.
 class FrameTrajectory {
  public:
-  /// In blocks, as a vector takes twice the memory while it grows; in large ones, as those of std::deque (three frames)
-  /// stay between what comes and goes, and keep whole pages of memory.
-  using Frames = boost::container::deque<TrackedFrame, std::allocator<TrackedFrame>,
-                                         boost::container::deque_options<boost::container::block_size<256U>>::type>;
-
   void add(const TrackedFrame& frame);
   /// The camera has the pose of the last frame; false if the stamp does not increase.
   bool repeat_last(std::int64_t index, TimeNs stamp);
@@ -69,14 +63,16 @@ class FrameTrajectory {
   /// To save memory: drops the observations of all frames, and of those added from now on; refine() skips these.
   void forget_observations();
   std::size_t bytes() const;
-  const Frames& frames() const { return frames_; }
+  const std::vector<TrackedFrame>& frames() const { return frames_; }
   /// world_from_camera of the frames whose keyframe is in `submap`, in the order of the recording.
   Trajectory trajectory(const MapGraph& graph, int submap) const;
   /// The submap with most frames, the smallest of equals.
   int largest_submap(const MapGraph& graph) const;
 
  private:
-  Frames frames_;  ///< By index.
+  void make_room();
+
+  std::vector<TrackedFrame> frames_;  ///< By index.
   bool keeps_observations_ = true;
 };
 
