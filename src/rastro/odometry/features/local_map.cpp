@@ -9,7 +9,8 @@ namespace rastro {
 
 void LocalMap::restart() {
   points_.clear();
-  for (Keyframe& keyframe : keyframes_) keyframe.observations.clear();
+  // clear() would keep the memory: a recording with many losses would grow.
+  for (std::size_t k = window_begin(); k < keyframes_.size(); ++k) keyframes_[k].observations = RayObservations();
   restarted_at_ = keyframes_.size();
 }
 

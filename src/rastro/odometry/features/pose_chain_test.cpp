@@ -174,6 +174,15 @@ TEST_F(LocalMapTest, WhatLeavesTheWindowIsDroppedExceptForItsPose) {
   EXPECT_THAT(map_.keyframes()[0].camera_from_world, pose_near(pose(0), 0.0, 0.0));
 }
 
+TEST_F(LocalMapTest, ARestartKeepsNoMemoryOfTheWindow) {
+  for (int k = 0; k < 9; ++k) {
+    add(k);
+    if (k % 3 == 2) map_.restart();
+  }
+  for (const LocalMap::Keyframe& keyframe : map_.keyframes()) EXPECT_EQ(keyframe.observations.capacity(), 0U);
+  EXPECT_THAT(map_.keyframes()[8].camera_from_world, pose_near(pose(8), 0.0, 0.0));
+}
+
 TEST_F(LocalMapTest, TheWindowHasEveryObservationOfItsPoints) {
   for (int k = 0; k < 6; ++k) {
     add(k);
