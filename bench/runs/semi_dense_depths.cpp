@@ -11,10 +11,12 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/base/text.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/synthetic/worlds/corridor.h"
@@ -59,18 +61,20 @@ double scale_of_depths(const std::vector<Compared>& pixels) {
 }
 
 void print_errors(const std::string& name, const std::vector<Compared>& pixels, double scale, std::size_t keyframes) {
-  std::vector<double> relative, sigmas;
+  std::vector<double> relative, signed_errors, sigmas;
   double near = 0.0, inside = 0.0;
   for (const Compared& pixel : pixels) {
     const double error = scale * pixel.estimate - pixel.exact;
     relative.push_back(std::abs(error) / pixel.exact);
+    signed_errors.push_back(error / pixel.exact);
     near += relative.back() < 0.05 ? 1.0 : 0.0;
     sigmas.push_back(std::abs(error) / (scale * pixel.sigma));
     inside += sigmas.back() < 2.0 ? 1.0 : 0.0;
   }
   const auto count = static_cast<double>(pixels.size());
-  fmt::print("{:20} {:7.0f} {:8.2f} % {:9.3f} {:9.3f} {:10.2f}\n", name, count / static_cast<double>(keyframes),
-             100.0 * median(relative), near / count, inside / count, median(sigmas) / 0.6745);
+  fmt::print("{:20} {:7.0f} {:8.2f} % {:9.3f} {:9.3f} {:10.2f} {:8.3f} %\n", name,
+             count / static_cast<double>(keyframes), 100.0 * median(relative), near / count, inside / count,
+             median(sigmas) / 0.6745, 100.0 * median(signed_errors));
 }
 
 double median_error(const std::vector<Compared>& pixels) {
@@ -92,8 +96,11 @@ std::vector<Compared> compared(const SemiDenseDepth& depths, const DepthImage& e
 
 void run(int argc, char** argv) {
   if (argc != 3 && argc != 4)
-    throw Error("takes a world and a map of a run on it", "rastro_bench_semi_dense", "give both");
-  const World world = world_named(argv[1], argc == 4 ? std::stoull(argv[3]) : 1);
+    throw Error("takes a world, a map of a run on it, and the seed of the world (default: 1)",
+                "rastro_bench_semi_dense", "give WORLD MAP [SEED]");
+  const auto seed = argc == 4 ? parse_int64(argv[3]) : std::optional<std::int64_t>(1);
+  if (!seed || *seed < 0) throw Error("is not a seed", argv[3], "give a whole number, such as 1");
+  const World world = world_named(argv[1], static_cast<std::uint64_t>(*seed));
   const auto map = load_map(argv[2]);
   const auto layer = map->layer<SemiDenseLayer>();
   if (!layer) throw Error("has no semi-dense depths", argv[2], "give a map made by --method lsd");
@@ -114,7 +121,8 @@ void run(int argc, char** argv) {
     by_keyframe.insert(by_keyframe.end(), pixels.begin(), pixels.end());
   }
   const double scale = scale_of(*map).metric ? 1.0 : scale_of_depths(all);
-  fmt::print("{:20} {:>7} {:>10} {:>9} {:>9} {:>10}\n", "", "pixels", "median", "within 5%", "2 sigma", "sigmas");
+  fmt::print("{:20} {:>7} {:>10} {:>9} {:>9} {:>10} {:>10}\n", "", "pixels", "median", "within 5%", "2 sigma", "sigmas",
+             "bias");
   print_errors("scale of the map", all, scale, keyframes);
   print_errors("scale per keyframe", by_keyframe, 1.0, keyframes);
   fmt::print("{} of {} keyframes until the median error, each with a scale of its own, stays below 10 %\n", unconverged,

@@ -118,6 +118,16 @@ TEST(MapUncertainty, AClosedLoopLeavesTheErrorsOfABridge) {
   }
 }
 
+TEST(MapUncertainty, APartThatIsGoneTakesNoOtherWithIt) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  uncertainty.add(1, 0, at, diagonal(0.03, 0.0), 0.0);
+  uncertainty.add(2, 1, at, diagonal(0.04, 0.0), 0.0);
+  uncertainty.forget(1);
+  EXPECT_FALSE(uncertainty.contains(1));
+  EXPECT_NEAR(uncertainty.of_pose(2, at, Matrix6d::Zero())(0, 0), 0.05 * 0.05, 1e-12) << "the errors of both";
+}
+
 TEST(MapUncertainty, ALoopChangesNothingBeforeIt) {
   MapUncertainty uncertainty;
   const Eigen::Vector3d at = Eigen::Vector3d::Zero();

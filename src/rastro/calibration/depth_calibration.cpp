@@ -226,6 +226,11 @@ void judge(const Fit& free, bool registered, DepthCalibration& result) {
     result.doubts.push_back(fmt::format("depth is {:.2f} % too {}: correct it by the scale",
                                         100.0 * std::abs(1.0 / result.scale - 1.0),
                                         result.scale < 1.0 ? "large" : "small"));
+  if (result.scale > largest_depth_correction || result.scale < 1.0 / largest_depth_correction)
+    result.doubts.push_back(
+        fmt::format("the unit of the readings is another: a depth_factor that corrects more than "
+                    "{:.0f} % is used by recordings in TUM layout alone",
+                    100.0 * (largest_depth_correction - 1.0)));
   if (result.farthest_m < 2.0 * result.nearest_m)
     result.doubts.emplace_back("missing: boards at twice the distance, to tell scale and offset of depth apart");
 }
@@ -285,13 +290,15 @@ std::string depth_summary(const DepthCalibration& calibration) {
   return text;
 }
 
-std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter, double offset_m) {
+std::string depth_calibration_text(const DepthCalibration& calibration, const DepthAsRead& read) {
   std::string text =
       fmt::format("depth_factor: {:.10g}\ndepth_offset_m: {:.6g}\ndepth_sigma_m: {:.6g}\ndepth_sigma_per_m2: {:.6g}\n",
-                  units_per_meter / calibration.scale, calibration.scale * offset_m + calibration.offset_m,
+                  read.units_per_meter / calibration.scale, calibration.scale * read.offset_m + calibration.offset_m,
                   calibration.sigma_m, calibration.sigma_per_m2);
   if (calibration.depth_camera)
     text += depth_registration_text({*calibration.depth_camera, calibration.color_from_depth});
+  else if (read.registration)
+    text += depth_registration_text(*read.registration);
   return text;
 }
 

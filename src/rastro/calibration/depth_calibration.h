@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/camera/camera.h"
+#include "rastro/camera/depth_registration.h"
 #include "rastro/image/image.h"
 #include "rastro/math/se3.h"
 
@@ -53,10 +54,18 @@ struct DepthCalibration {
 /// boards with depth, and for boards at one distance only, from which scale and offset cannot be told apart.
 DepthCalibration calibrate_depth(const DepthCalibrationInput& input);
 
+/// How the depth was read that was calibrated.
+struct DepthAsRead {
+  double units_per_meter = 0.0;                   ///< Of the raw readings.
+  double offset_m = 0.0;                          ///< Added to each.
+  std::optional<DepthRegistration> registration;  ///< That put it into the color image.
+};
+
 /// In words.
 std::string depth_summary(const DepthCalibration& calibration);
 /// The keys that rastro reads beside a camera's calibration: depth_factor and depth_offset_m of the raw readings, given
-/// those the depth was read with, and where depth is not registered depth_camera and color_from_depth; also the noise.
-std::string depth_calibration_text(const DepthCalibration& calibration, double units_per_meter, double offset_m);
+/// those the depth was read with, and where the device does not register depth depth_camera and color_from_depth; also
+/// the noise.
+std::string depth_calibration_text(const DepthCalibration& calibration, const DepthAsRead& read);
 
 }  // namespace rastro

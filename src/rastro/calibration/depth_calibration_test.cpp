@@ -86,7 +86,7 @@ TEST(DepthCalibrationTest, ScaleOffsetAndNoiseAreWithinTheirSigmas) {
   EXPECT_NEAR(found.sigma_per_m2, 0.002, 0.0003);
   EXPECT_THAT(found.doubts, Contains(HasSubstr("too small")));
   EXPECT_THAT(found.doubts, Not(Contains(HasSubstr("registered"))));
-  EXPECT_THAT(depth_calibration_text(found, 5000.0, 0.0), HasSubstr("depth_factor: 490"));
+  EXPECT_THAT(depth_calibration_text(found, {5000.0, 0.0, {}}), HasSubstr("depth_factor: 490"));
 }
 
 TEST(DepthCalibrationTest, WhatCorrectsCorrectedDepthCorrectsTheRawReadings) {
@@ -94,9 +94,16 @@ TEST(DepthCalibrationTest, WhatCorrectsCorrectedDepthCorrectsTheRawReadings) {
   found.scale = 1.25;
   found.offset_m = -0.01;
   // Read as raw / 800 + 0.02; right is 1.25 * that - 0.01 = raw / 640 + 0.015.
-  const std::string text = depth_calibration_text(found, 800.0, 0.02);
+  const std::string text = depth_calibration_text(found, {800.0, 0.02, {}});
   EXPECT_THAT(text, HasSubstr("depth_factor: 640\n"));
   EXPECT_THAT(text, HasSubstr("depth_offset_m: 0.015\n"));
+}
+
+TEST(DepthCalibrationTest, WhatPutTheDepthIntoColorIsKept) {
+  DepthAsRead read{1000.0, 0.0, {}};
+  EXPECT_THAT(depth_calibration_text({}, read), Not(HasSubstr("color_from_depth")));
+  read.registration = {{160, 120, 140.0, 140.0, 79.5, 59.5}, SE3(SO3(), {0.05, 0.0, 0.0})};
+  EXPECT_THAT(depth_calibration_text({}, read), AllOf(HasSubstr("depth_camera"), HasSubstr("color_from_depth")));
 }
 
 TEST(DepthCalibrationTest, DepthThatIsNotRegisteredIsNamedAndItsPoseIsFound) {

@@ -6,6 +6,10 @@
 
 namespace rastro {
 
+/// Factor by which a calibration corrects the depths of a camera that gives meters, at most: a larger one belongs to
+/// readings in another unit, such as 5000 a meter in TUM's recordings.
+constexpr double largest_depth_correction = 1.25;
+
 /// A depth camera beside a color camera: what is needed to put its depth into the color image.
 struct DepthRegistration {
   Camera depth_camera;   ///< With its size.

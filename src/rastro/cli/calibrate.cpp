@@ -221,11 +221,11 @@ void calibrate(const Flags& flags) {
   catch_interrupts();
   const std::unique_ptr<LiveBoards> page = live_page(flags);
   BoardImages found = find_images(flags, board, page.get());
-  const double depth_factor = found.depth_factor, depth_offset_m = found.depth_offset_m;
+  const DepthAsRead depth_as_read = found.depth_as_read;
   const CalibrationReport report = report_of(flags, options, std::move(found));
   write_files(report, board, flags.out);
   if (report.depth)
-    append_depth(depth_calibration_text(*report.depth, depth_factor, depth_offset_m),
+    append_depth(depth_calibration_text(*report.depth, depth_as_read),
                  std::filesystem::path(flags.out) / "camera.yaml");
   if (flags.data.json) {
     fmt::print("{}", calibration_json(report));

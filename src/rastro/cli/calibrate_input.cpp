@@ -125,6 +125,10 @@ FoundBoard search_frame(BoardSearch& search, const Frame& frame, Source* right_s
 
 }  // namespace
 
+DepthAsRead depth_as_read(const SourceInfo& info) {
+  return {info.depth_factor, info.depth_offset_m, info.depth_registration};
+}
+
 void require_images(const SourceInfo& info, const BoardSearchOptions& search_for) {
   if (search_for.stereo && !info.has_right)
     throw Error("has no right images", info.path, "give those of the right camera with --right");
@@ -141,8 +145,7 @@ BoardImages find_boards(const DataFlags& flags, const Board& board, const BoardS
   BoardImages result;
   result.input.board = board.points();
   result.input.stereo = search_for.is_pair();
-  result.depth_factor = left_source->info().depth_factor;
-  result.depth_offset_m = left_source->info().depth_offset_m;
+  result.depth_as_read = depth_as_read(left_source->info());
   BoardSearch search(board, result);
   std::vector<FoundBoard> found;
   const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, left_source->info().frame_count));

@@ -6,9 +6,11 @@
 
 #include "rastro/calibration/board.h"
 #include "rastro/calibration/calibrate.h"
+#include "rastro/calibration/depth_calibration.h"
 #include "rastro/cli/common_flags.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/image/image.h"
+#include "rastro/sensor/source.h"
 
 namespace rastro::cli {
 
@@ -19,9 +21,11 @@ struct BoardImages {
   int images = 0;                  ///< Searched.
   int near_another = 0;            ///< Not used: the board was where it was in another image.
   std::vector<DepthImage> depths;  ///< Per frame of the input; empty where there is none.
-  double depth_factor = 0.0;       ///< Raw units per meter, where there is depth.
-  double depth_offset_m = 0.0;     ///< Added to each depth as it was read.
+  DepthAsRead depth_as_read;
 };
+
+/// The depth of a source, as it was read.
+DepthAsRead depth_as_read(const SourceInfo& info);
 
 struct BoardSearchOptions {
   /// The images of the right camera, one for each of the left, or a live source beside the left one; empty for one

@@ -179,8 +179,7 @@ BoardImages find_boards_live(const DataFlags& flags, const Board& board, const B
   }
   if (!assistant) throw Error("gave no image", flags.path, "'rastro devices' lists what is connected");
   result.input = assistant->input();
-  result.depth_factor = images.info().depth_factor;
-  result.depth_offset_m = images.info().depth_offset_m;
+  result.depth_as_read = depth_as_read(images.info());
   return result;
 }
 

@@ -117,7 +117,7 @@ BenchmarkTools tools_of(const Flags& flags) {
   tools.score = [score = tools.score](const std::filesystem::path& folder, const BenchmarkJudgment& judgment,
                                       const std::filesystem::path& map_folder) {
     RunScores scores = score(folder, judgment, map_folder);
-    if (scores.alignment == "se3" && judgment.measures_map)
+    if (judgment.measures_map && (scores.alignment == "se3" || scores.alignment == "sim3"))
       add_map_figures(folder, judgment.ground_truth, scores.figures);
     return scores;
   };

@@ -43,19 +43,6 @@ bool same_intrinsics(const Camera& a, const Camera& b) {
   return near(a.fx, b.fx) && near(a.fy, b.fy) && near(a.cx, b.cx) && near(a.cy, b.cy) && a.distortion == b.distortion;
 }
 
-/// How the left images of a recording become those of the map's camera; null where they are the same.
-std::optional<StereoRectification> rectification_of(const Map& map, const SourceInfo& info) {
-  const MapCamera& camera = camera_of(map, info.path);
-  if (camera.kind != CameraKind::stereo || info.cameras.size() < 2) return std::nullopt;
-  const auto &left = info.cameras[0].camera, &right = info.cameras[1].camera;
-  if (!left || !right || !info.left_from_right || same_intrinsics(*left, camera.intrinsics)) return std::nullopt;
-  auto made = rectify_stereo(*left, *right, *info.left_from_right);
-  if (!made || !same_intrinsics(made->camera, camera.intrinsics))
-    throw Error("its calibration does not match the rectified camera of the map", info.path,
-                "use the calibration of the run");
-  return made;
-}
-
 std::string bytes_of(const Frame& frame) {
   const PackedImages packed = pack_images(frame);
   return {reinterpret_cast<const char*>(packed.color.data()), packed.color.size()};
@@ -136,6 +123,18 @@ Names write_decoded(Source& source, const Map& map, int submap, const fs::path& 
 bool names_its_cameras(const std::string& format) { return format != "images" && format != "video"; }
 
 }  // namespace
+
+std::optional<StereoRectification> rectification_of(const Map& map, const SourceInfo& info) {
+  const MapCamera& camera = camera_of(map, info.path);
+  if (camera.kind != CameraKind::stereo || info.cameras.size() < 2) return std::nullopt;
+  const auto &left = info.cameras[0].camera, &right = info.cameras[1].camera;
+  if (!left || !right || !info.left_from_right || same_intrinsics(*left, camera.intrinsics)) return std::nullopt;
+  auto made = rectify_stereo(*left, *right, *info.left_from_right);
+  if (!made || !same_intrinsics(made->camera, camera.intrinsics))
+    throw Error("its calibration does not match the rectified camera of the map", info.path,
+                "use the calibration of the run");
+  return made;
+}
 
 RecordingOfRun recording_of_run(const fs::path& run_or_map) {
   std::error_code ignored;

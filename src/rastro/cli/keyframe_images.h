@@ -3,9 +3,12 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "rastro/camera/stereo_rectification.h"
 #include "rastro/map/graph/map.h"
+#include "rastro/sensor/source.h"
 
 namespace rastro::cli {
 
@@ -15,6 +18,10 @@ struct RecordingOfRun {
   std::string camera;  ///< Of the recording; empty: its usual one.
 };
 RecordingOfRun recording_of_run(const std::filesystem::path& run_or_map);
+
+/// How the left images of a recording become those of the map's camera; nothing where they are the same. Error where
+/// the calibration of the recording makes other ones.
+std::optional<StereoRectification> rectification_of(const Map& map, const SourceInfo& info);
 
 /// Writes the recorded image of each keyframe of a submap (-1: of all) into `folder`: a copy of its file under its own
 /// name (spaces become '_'), or a JPEG where the recording has no image files or the map's camera is that of a

@@ -36,7 +36,7 @@ std::string advice_for(SlamReason reason) {
     case SlamReason::apart:
       return "this part of the map is not connected yet: return to a place seen before";
     case SlamReason::unconfirmed:
-      return "keep looking at this place until more frames agree";
+      return "keep looking at this place until more frames agree; the detail says what is not confirmed yet";
     case SlamReason::implausible_motion:
       return "the pose jumps: move slower, and look for moving things that fill the image";
   }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "rastro/base/error.h"
@@ -12,6 +13,7 @@
 #include "rastro/base/text_file.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/export_input.h"
+#include "rastro/cli/lengths_scale.h"
 #include "rastro/cli/limits.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/cli/recorded_images.h"
@@ -22,6 +24,7 @@
 #include "rastro/export/ply.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/images/pack_images.h"
+#include "rastro/map/landmarks/map_scale.h"
 #include "rastro/math/alignment.h"
 
 namespace rastro::cli {
@@ -33,8 +36,12 @@ constexpr const char* footer =
     R"(MAP is a map file (map.rastro), a run folder, or a point cloud (.ply, in meters; its sigma is used if present). In a map,
 planes are fitted to the depth images of the keyframes and edges are found with subpixel precision in their color images;
 every keyframe that observes both ends measures the length by itself, keyframes that observe one end count with the
-uncertainty of their poses. A map of a depth camera without images (orb, lsd) is measured in those of the recording that it
-was made of, or that of --images. In a cloud an edge is where the points end, and sigmas are larger.
+uncertainty of their poses. A map without images (orb, lsd) is measured in those of the recording that it was made of, or
+that of --images. In a map without depth edges are triangulated: keyframes must see them from several sides, and planes
+and points without edges are not measured. In a cloud an edge is where the points end, and sigmas are larger.
+
+The map of one camera has an arbitrary unit, and so have its points. --known takes the object of FILE that sets the scale by
+its length_m; it is left out of the result. A map that is metric already is scaled by it as well.
 
 FILE (YAML, meters):
   frame: first_camera        # world of the map (default); or `truth`: frame of the trajectory given with --align
@@ -65,11 +72,12 @@ Examples:
   rastro measure run --objects bedroom/objects.yaml
   rastro measure seed*/map.rastro --objects study/objects.yaml --csv > lengths.csv
   rastro measure run --objects objects.yaml --only 'box width' --require 'max_error_m<=0.01' --out images
+  rastro measure run --objects objects.yaml --known 'box width'
   rastro measure run/map.rastro --between -0.5,0.2,2.1 0.4,0.2,2.1)";
 
 struct Flags {
   std::vector<std::string> maps, between, only, limits;
-  std::string objects, align, images, out;
+  std::string objects, align, images, known, out;
   int threads = 0;
   std::uint64_t seed = 1;
   bool json = false, csv = false, quiet = false;
@@ -102,10 +110,13 @@ OpenedMap open_map(const std::string& path, const std::string& recording) {
   return {load_map_with_images(file, recording), {}};
 }
 
-/// ground_truth_from_map, from poses of equal timestamps.
-SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& ground_truth_file_name) {
+/// ground_truth_from_map, from poses of equal timestamps. A map of arbitrary scale is made metric.
+SE3 aligned(OpenedMap& map, const std::string& path, const std::string& ground_truth_file_name) {
   if (!map.map) throw Error("has no trajectory to align", path, "give a map file or a run folder");
   const TrajectoryInput ground_truth = read_trajectory_input(ground_truth_file_name);
+  if (!scale_of(*map.map).metric)
+    map.map = std::make_shared<const Map>(
+        scaled(*map.map, scale_from_reference(*map.map, ground_truth.poses, ground_truth_file_name)));
   constexpr TimeNs max_difference = 20'000'000;
   std::vector<Eigen::Vector3d> target, source;
   const Trajectory trajectory = trajectory_of(*map.map);
@@ -133,6 +144,16 @@ Eigen::Vector3d point_in(const std::string& text) {
   return point;
 }
 
+/// The known length must be one of the objects.
+void check_known(const LengthObjects& objects, const std::string& known) {
+  if (known.empty()) return;
+  std::vector<std::string> names;
+  for (const LengthObject& object : objects.objects)
+    if (object.true_length_m) names.push_back(object.name);
+  if (std::find(names.begin(), names.end(), known) == names.end())
+    throw Error(in_quotes(known) + " is no object with a length_m", "--known", did_you_mean(known, names));
+}
+
 LengthObjects objects_of(const Flags& flags) {
   if (flags.objects.empty() == flags.between.empty())
     throw Error("needs lengths to measure", "rastro measure", "give --objects FILE or --between x,y,z x,y,z");
@@ -142,6 +163,7 @@ LengthObjects objects_of(const Flags& flags) {
     object.kind = LengthKind::points;
     object.a.point = point_in(flags.between[0]);
     object.b.point = point_in(flags.between[1]);
+    check_known({false, {}}, flags.known);
     if ((object.a.point - object.b.point).norm() < 1e-3)
       throw Error("the two points are the same", "--between", "give two different ones");
     return {false, {object}};
@@ -154,8 +176,10 @@ LengthObjects objects_of(const Flags& flags) {
     throw Error(fmt::format("{} is not an object of {}", in_quotes(name), one_line(flags.objects)), "--only",
                 did_you_mean(name, names));
   }
+  check_known(all, flags.known);
   std::erase_if(all.objects, [&](const LengthObject& object) {
-    return !flags.only.empty() && std::find(flags.only.begin(), flags.only.end(), object.name) == flags.only.end();
+    return !flags.only.empty() && object.name != flags.known &&
+           std::find(flags.only.begin(), flags.only.end(), object.name) == flags.only.end();
   });
   return all;
 }
@@ -198,15 +222,17 @@ int measure(const Flags& flags) {
   options.seed = flags.seed;
   std::vector<MapOfLengths> results;
   for (const std::string& path : flags.maps) {
-    const OpenedMap map = open_map(path, flags.images);
+    OpenedMap map = open_map(path, flags.images);
     std::vector<LengthObject> objects = wanted.objects;
     if (wanted.in_frame_of_ground_truth) {
       const SE3 map_from_ground_truth = aligned(map, path, flags.align).inverse();
       for (LengthObject& object : objects) object = moved(object, map_from_ground_truth);
     }
+    if (map.map) std::tie(map.map, objects) = roughly_metric(map.map, std::move(objects), flags.known, path);
     results.push_back({path, map.map ? measure_lengths(*map.map, objects, options, pool)
                                      : measure_lengths(map.cloud, objects, options)});
     if (!flags.out.empty() && map.map) write_images(flags.out, results.size() - 1, *map.map, results.back().lengths);
+    apply_known_length(results.back().lengths, flags.known);
   }
   if (flags.json)
     fmt::print("{}", lengths_as_json(results));
@@ -244,6 +270,10 @@ void add_measure_command(CLI::App& app, Context& context) {
       ->add_option("--images", flags->images,
                    "Recording with the images of a map that has none (default: the recording that the map was made of)")
       ->type_name("DATA");
+  command
+      ->add_option("--known", flags->known,
+                   "Object whose length_m sets the scale, for maps of one camera; left out of the result")
+      ->type_name("NAME");
   command->add_option("--out", flags->out, "Folder for an image of each length with the measured edges")
       ->type_name("DIR");
   command

@@ -13,38 +13,42 @@
 namespace rastro::cli {
 namespace {
 
+/// What the run saw: depth that it did not use measures nothing in its map.
 OpenOptions open_options(const Map& map, const RecordingOfRun& recording) {
-  if (camera_of(map, recording.path).kind != CameraKind::depth)
-    throw Error("is of a map without depth: a length in it would follow from the given points, not from the map",
-                recording.path, "give the map of a depth camera");
+  const CameraKind kind = camera_of(map, recording.path).kind;
+  if (kind == CameraKind::none) throw Error("is the map of a laser: it has no images", recording.path, "");
   OpenOptions options;
   options.camera = recording.camera;
-  options.want_color = options.want_depth = true;
+  options.want_color = true;
+  options.want_depth = kind == CameraKind::depth;
+  options.want_right = kind == CameraKind::stereo;
   return options;
 }
 
-void refuse_rectified(const Map& map, const SourceInfo& info) {
+void check_size(const Map& map, const SourceInfo& info) {
   const Camera& camera = camera_of(map, info.path).intrinsics;
   if (info.cameras.empty() || !info.cameras.front().camera) return;
   const Camera& recorded = *info.cameras.front().camera;
   if (recorded.width != 0 && (recorded.width != camera.width || recorded.height != camera.height))
-    throw Error("its images are not those of the map's camera", info.path, "give a map of unrectified images");
+    throw Error("its images are not those of the map's camera", info.path, "is it the recording of the map?");
 }
 
 }  // namespace
 
 std::shared_ptr<const Map> with_recorded_images(const Map& map, const RecordingOfRun& recording) {
   const auto source = open(recording.path, open_options(map, recording));
-  refuse_rectified(map, source->info());
+  check_size(map, source->info());
+  const auto rectification = rectification_of(map, source->info());
   std::map<TimeNs, KeyframeId> wanted;
   for (const Keyframe& keyframe : map.keyframes) wanted[keyframe.stamp] = keyframe.id;
   auto store = std::make_shared<MemoryImages>();
   auto layer = std::make_shared<ImageLayer>();
   while (layer->keyframes.size() < wanted.size()) {
-    const auto frame = source->next();
+    auto frame = source->next();
     if (!frame) break;
     const auto found = wanted.find(frame->stamp);
     if (found == wanted.end()) continue;
+    if (rectification) frame->image = remap(frame->image.view(), rectification->left), frame->color = {};
     store->add(found->second, pack_images(*frame));
     layer->keyframes.push_back(found->second);
   }

@@ -8,9 +8,9 @@
 
 namespace rastro::cli {
 
-/// The map of a depth camera that holds no images, with those of its keyframes read from the recording that it was made
-/// of: all are in memory. Error for the map of another camera, and where the recording cannot be read or lacks
-/// frames of keyframes.
+/// A map that holds no images, with those of its keyframes read from the recording that it was made of, and their depth
+/// where the map is that of a depth camera: all are in memory. Error for the map of a laser, and where the recording
+/// cannot be read or lacks frames of keyframes.
 std::shared_ptr<const Map> with_recorded_images(const Map& map, const RecordingOfRun& recording);
 
 }  // namespace rastro::cli

@@ -95,9 +95,10 @@ SlamTask task_of(const SlamContext& context) {
   return context.map && !context.extend_map ? SlamTask::localize : SlamTask::map;
 }
 
-Prepared prepare(const SlamFlags& flags) {
+Prepared prepare(const SlamFlags& flags, StepsShown on_finishing) {
   Prepared run;
   run.context = context_of(flags);
+  run.context.on_finishing = std::move(on_finishing);
   run.method = method_for(flags, run.context);
   run.table = run.method->options();
   apply_preset(flags, *run.method);
@@ -161,14 +162,17 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSlam*
 
 int run_slam(const SlamFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
-  Prepared prepared = prepare(flags);
+  std::optional<ProgressBar> shown;
+  Prepared prepared = prepare(flags, [&shown](const std::string& what, std::size_t done, std::size_t all) {
+    if (shown) shown->show_steps(what, done, all);
+  });
   const std::unique_ptr<LiveSlam> live = live_view(flags, prepared);
   for (const std::string& warning : prepared.input.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared.input.source->info(), command_line());
   folder.write_options(prepared.table);
   watch_while_idle(prepared.input, live.get());
-  ProgressBar bar(!flags.data.quiet);
+  ProgressBar& bar = shown.emplace(!flags.data.quiet);
   const auto mcap = mcap_sink(flags.mcap, flags.out, prepared.method->name(), prepared.input.source->info());
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();

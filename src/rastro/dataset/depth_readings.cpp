@@ -4,15 +4,10 @@
 #include <fmt/format.h>
 
 #include "rastro/camera/calibration_file.h"
+#include "rastro/camera/depth_registration.h"
 #include "rastro/dataset/tum_rgbd/depth_factor.h"
 
 namespace rastro {
-namespace {
-
-constexpr double largest_correction = 1.25;
-
-}  // namespace
-
 DepthReadings depth_readings(const OpenOptions& options, double own_units_per_meter) {
   DepthReadings readings;
   readings.device_registers = !options.raw_depth;
@@ -22,8 +17,8 @@ DepthReadings depth_readings(const OpenOptions& options, double own_units_per_me
   const auto factor = read_depth_factor(options.calibration_file);
   if (!factor) return readings;
   const double scale = own_units_per_meter / factor->units_per_meter;
-  if (scale > largest_correction || scale < 1.0 / largest_correction) {
-    readings.warning = fmt::format("{}: depth_factor {:g} is not used: the readings here are {:g} a meter",
+  if (scale > largest_depth_correction || scale < 1.0 / largest_depth_correction) {
+    readings.warning = fmt::format("{}: depth_factor {:g} is not used: the readings here are taken as {:g} a meter",
                                    options.calibration_file, factor->units_per_meter, own_units_per_meter);
     return readings;
   }

@@ -175,6 +175,7 @@ std::optional<CombinedLength> combine_lengths(LengthObservations a, LengthObserv
   const Solution solution = solved(pairs, variance, a, b);
   const Eigen::Matrix4d& covariance = solution.covariance;
   result.length_m = solution.unknowns[1] - solution.unknowns[0];
+  result.height_sigma_m = std::sqrt(std::max(covariance(2, 2), covariance(3, 3)));
   result.pose_sigma_m = std::sqrt(variance);
   double own_variance = 0.0, excess = 1.0;
   judge_scatter(pairs, solution, result, own_variance, excess);

@@ -28,6 +28,7 @@ struct CombinedLength {
   double length_m = 0.0;  ///< b - a
   double sigma_m = 0.0;
   int seen_a = 0, seen_b = 0, together = 0;  ///< Keyframes that agree; those that observe both.
+  double height_sigma_m = 0.0;               ///< Of the height of the face, of the end where it is less certain.
   double pose_sigma_m = 0.0;                 ///< Scatter of the keyframe poses beyond their measurement noise.
   double scatter_m = 0.0;  ///< Of the lengths of keyframes that observe both, else of the values of each feature.
 };

@@ -155,6 +155,12 @@ void count_support(const LengthView& view, const LengthRegion& region, const Pix
 
 }  // namespace
 
+bool LengthView::has_depth() const {
+  for (int y = 0; y < depth.height(); ++y)
+    if (std::any_of(depth.row(y), depth.row(y) + depth.width(), [](float z) { return z > 0.0F; })) return true;
+  return false;
+}
+
 double LengthFace::depth_sigma_at(const Vector3d& ray) const {
   const double z = depth_at(ray);
   return z * z * std::sqrt(std::max(0.0, ray.dot(covariance * ray)));

@@ -20,6 +20,7 @@ struct LengthView {
   DepthImage depth;
   double depth_sigma_m = 0.0, depth_sigma_per_m2 = 0.0;  ///< As in DepthNoise.
 
+  bool has_depth() const;  ///< Of any pixel.
   /// Standard deviation of a measured depth, meters.
   double depth_sigma(double z) const { return depth_sigma_m + depth_sigma_per_m2 * z * z; }
 };

@@ -27,10 +27,12 @@ constexpr double agree_widths = 3.5;    ///< Candidates within this many widths 
 constexpr double unsure_share = 0.3;    ///< Share of the radius: possible error of an edge seen in very few keyframes.
 constexpr double clear_rivalry = 0.75;  ///< A competing offset that fits this well is reported.
 constexpr double shared_px = 0.35;      ///< Light, blur and the surroundings shift an edge equally in all images.
-constexpr double height_sigma_m = 0.015;  ///< Of a rough face without depth.
+constexpr double height_sigma_m = 0.015;  ///< Of a rough face that has no depth in a map with depth.
 constexpr double height_step_m = 0.005;
-constexpr double spot_sigma_share = 0.4;  ///< Standard deviation of a rough point as share of its radius.
-constexpr double weak_support = 0.5;      ///< Below, depth is reported as missing or behind.
+constexpr int triangulated_views = 2;       ///< So many times the views, where edges are triangulated.
+constexpr double weak_height_share = 0.25;  ///< Share of its prior: above, the views do not tell a distance.
+constexpr double spot_sigma_share = 0.4;    ///< Standard deviation of a rough point as share of its radius.
+constexpr double weak_support = 0.5;        ///< Below, depth is reported as missing or behind.
 constexpr std::size_t few_keyframes = 3;
 
 /// One view's candidate for the feature; world frame.
@@ -50,6 +52,7 @@ struct Candidate {
 /// One view's candidates for the features of an object.
 struct ViewFinding {
   std::int64_t keyframe = 0;
+  bool has_depth = false;
   std::vector<std::vector<Candidate>> candidates;  ///< Per feature.
 };
 
@@ -150,10 +153,16 @@ struct VotedOffset {
   double height_m = 0.0;  ///< Height of the face, for candidates with a lever.
 };
 
+/// How far the points of a feature may be from the given ones.
+struct SearchPrior {
+  double radius_m = 0.06;
+  double height_sigma_m = 0.0;  ///< Of the face above the rough one; 0: depth tells its height.
+};
+
 /// The offset with the most votes, near the rough point rather than far from it. A view has one vote per offset, that
 /// of its best candidate there.
-VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
-                       double height_m) {
+VotedOffset most_voted_at(double height_m, const std::vector<std::vector<Candidate>>& views,
+                          const LengthFeature& feature, const SearchPrior& prior) {
   std::vector<std::vector<std::pair<double, double>>> ballots;  // offsets with scores
   for (const auto& view : views) {
     ballots.emplace_back();
@@ -169,7 +178,8 @@ VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const L
           strongest = std::max(strongest, score * vote(other - offset, vote_width_m));
         votes += strongest;
       }
-      votes *= vote(offset, spot_sigma_share * radius_m) * vote(height_m, height_sigma_m);
+      votes *= vote(offset, spot_sigma_share * prior.radius_m);
+      if (prior.height_sigma_m > 0.0) votes *= vote(height_m, prior.height_sigma_m);
       if (votes > best.votes) best = {offset, votes, height_m};
     }
   }
@@ -177,11 +187,12 @@ VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const L
 }
 
 /// The same over all possible heights of the face, without depth.
-VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
-                       bool by_depth) {
-  VotedOffset best = most_voted(views, feature, radius_m, 0.0);
-  for (int step = -6; step <= 6 && !by_depth; ++step) {
-    const VotedOffset other = most_voted(views, feature, radius_m, step * height_step_m);
+VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature,
+                       const SearchPrior& prior) {
+  VotedOffset best = most_voted_at(0.0, views, feature, prior);
+  const auto steps = static_cast<int>(std::lround(2.0 * prior.height_sigma_m / height_step_m));
+  for (int step = -steps; step <= steps; ++step) {
+    const VotedOffset other = most_voted_at(step * height_step_m, views, feature, prior);
     if (other.votes > best.votes) best = other;
   }
   return best;
@@ -209,11 +220,11 @@ std::vector<std::vector<Candidate>> candidates_for(const std::vector<ViewFinding
   return views;
 }
 
-Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature, double radius_m,
-             bool by_depth) {
+Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature,
+             const SearchPrior& prior) {
   Found found;
   std::vector<std::vector<Candidate>> views = candidates_for(findings, which);
-  const VotedOffset chosen = most_voted(views, feature, radius_m, by_depth);
+  const VotedOffset chosen = most_voted(views, feature, prior);
   if (!(chosen.votes > 0.0)) return found;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto taken = taken_at(views[i], feature, chosen);
@@ -221,7 +232,7 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
     found.observations.emplace_back(i, *taken);
     found.observations.back().second.point += chosen.height_m * taken->lever;
   }
-  const VotedOffset rival = most_voted(views, feature, radius_m, by_depth);
+  const VotedOffset rival = most_voted(views, feature, prior);
   found.rivalry = rival.votes / chosen.votes;
   found.height_m = chosen.height_m;
   // Votes are no probabilities: an offset with half of them is hardly ever the right one.
@@ -273,7 +284,8 @@ std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, cons
   return direction.normalized();
 }
 
-LengthObservations along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction) {
+LengthObservations along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction,
+                         double height_sigma_m) {
   LengthObservations observations;
   for (const auto& [finding, one] : found.observations) {
     observations.all.push_back({findings[finding].keyframe, direction.dot(one.point),
@@ -311,10 +323,10 @@ double mean_support(const Found& a, const Found& b) {
   return sum / std::max<double>(1.0, static_cast<double>(a.observations.size() + b.observations.size()));
 }
 
-std::string doubts(const MeasuredLength& measured, double rivalry) {
-  if (measured.points == 0)
+std::string doubts(const MeasuredLength& measured, double rivalry, bool triangulated) {
+  if (measured.points == 0 && !triangulated)
     return "depth is missing or behind: measured in the images alone, on the face through the given points";
-  if (measured.support < weak_support)
+  if (measured.support < weak_support && !triangulated)
     return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
   if (std::min(measured.keyframes_a, measured.keyframes_b) < static_cast<int>(few_keyframes))
     return "few keyframes show it";
@@ -331,14 +343,18 @@ class LengthSearch {
       : map_(map), object_(object), options_(options) {
     a_ = length_features(object, object.a, options);
     b_ = length_features(object, object.b, options);
+    prior_.radius_m = object.radius_m;
   }
 
   MeasuredLength measure(TaskPool& pool) {
     find_in_views(pool);
     if (findings_.empty()) return not_measured(object_, "no keyframe shows it");
+    if (without_depth_ && !triangulate(pool))
+      return not_measured(object_, "needs depth: without it, only edges are measured");
     Found a = found(a_, 0), b = found(b_, a_.size());
-    if (object_.kind == LengthKind::edges && std::min(a.observations.size(), b.observations.size()) < few_keyframes) {
-      by_depth_ = false;
+    if (object_.kind == LengthKind::edges && std::min(a.observations.size(), b.observations.size()) < few_keyframes &&
+        !without_depth_) {
+      prior_.height_sigma_m = height_sigma_m;
       find_in_views(pool);
       a = found(a_, 0), b = found(b_, a_.size());
     }
@@ -354,32 +370,49 @@ class LengthSearch {
     return {feature.spot, feature.normal_known ? std::optional<Vector3d>(feature.normal()) : std::nullopt};
   }
 
+  bool by_depth() const { return prior_.height_sigma_m == 0.0; }
+
+  /// Views from several sides tell the distance of an edge instead. False: the object has other features than edges.
+  bool triangulate(TaskPool& pool) {
+    for (const auto* features : {&a_, &b_})
+      for (const LengthFeature& feature : *features)
+        if (!feature.is_edge) return false;
+    prior_.height_sigma_m = spot_sigma_share * object_.radius_m;
+    find_in_views(pool);
+    return true;
+  }
+
   void find_in_views(TaskPool& pool) {
-    const std::vector<KeyframeId> views =
-        choose_views(map_, position_of(a_.front()), position_of(b_.front()), options_.views);
-    findings_.resize(views.size());
+    const int count = without_depth_ ? triangulated_views * options_.views : options_.views;
+    const std::vector<KeyframeId> views = choose_views(map_, position_of(a_.front()), position_of(b_.front()), count);
+    findings_.assign(views.size(), {});
     pool.for_chunks(0, static_cast<int>(views.size()), 1, [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
         const LengthView view = open_view(map_, views[static_cast<std::size_t>(i)]);
         ViewFinding& finding = findings_[static_cast<std::size_t>(i)];
-        finding = {view.keyframe, {}};
+        finding = {view.keyframe, view.has_depth(), {}};
         for (const auto* features : {&a_, &b_})
           for (const LengthFeature& feature : *features)
-            finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_, by_depth_));
+            finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_, by_depth()));
       }
     });
+    without_depth_ =
+        std::none_of(findings_.begin(), findings_.end(), [](const ViewFinding& finding) { return finding.has_depth; });
   }
 
   Found found(const std::vector<LengthFeature>& features, std::size_t first) const {
-    const Found one = agreed(findings_, first, features[0], object_.radius_m, by_depth_);
+    const Found one = agreed(findings_, first, features[0], prior_);
     if (features.size() == 1) return one;
-    return crossing(one, agreed(findings_, first + 1, features[1], object_.radius_m, by_depth_));
+    return crossing(one, agreed(findings_, first + 1, features[1], prior_));
   }
 
   MeasuredLength combined(const Found& a, const Found& b) const {
     const auto direction = measured_direction(object_.kind, a, b);
     if (!direction) return not_measured(object_, "both ends were found at the same position");
-    const auto length = combine_lengths(along(a, findings_, *direction), along(b, findings_, *direction));
+    // What is told by the views alone shall not be pulled to the given points.
+    const double height_prior_m = without_depth_ ? object_.radius_m : height_sigma_m;
+    const auto length = combine_lengths(along(a, findings_, *direction, height_prior_m),
+                                        along(b, findings_, *direction, height_prior_m));
     if (!length) return not_measured(object_, "the keyframes contradict each other");
     MeasuredLength measured = not_measured(object_, "");
     measured.length_m = length->length_m;
@@ -399,7 +432,9 @@ class LengthSearch {
       for (const auto& [finding, one] : found->observations) measured.points += one.points;
     measured.support = mean_support(a, b);
     measured.image = best_image(a, b, findings_);
-    measured.note = doubts(measured, std::max(a.rivalry, b.rivalry));
+    measured.note = doubts(measured, std::max(a.rivalry, b.rivalry), without_depth_);
+    if (without_depth_ && length->height_sigma_m > weak_height_share * height_prior_m)
+      measured.note = "seen from nearly one direction: its distance follows from the given points";
     return measured;
   }
 
@@ -407,7 +442,8 @@ class LengthSearch {
   const LengthObject& object_;
   const MapLengthOptions& options_;
   std::vector<LengthFeature> a_, b_;
-  bool by_depth_ = true;  ///< False: the object has no depth; its faces are those through the given points.
+  SearchPrior prior_;           ///< Without depth of the object, its faces are those through the given points.
+  bool without_depth_ = false;  ///< No view has any depth.
   std::vector<ViewFinding> findings_;
 };
 

@@ -10,6 +10,7 @@
 #include "rastro/evaluate/length_combine.h"
 #include "rastro/evaluate/length_report.h"
 #include "rastro/evaluate/length_room_testing.h"
+#include "rastro/evaluate/length_scale.h"
 #include "rastro/map/cloud/build_cloud.h"
 
 namespace rastro {
@@ -120,6 +121,43 @@ TEST(MapLengths, OfObjectsWithoutDepthHaveLargerSigmas) {
   EXPECT_THAT(glass.note, HasSubstr("depth is missing"));
 }
 
+TEST(MapLengths, AreTriangulatedInMapsWithoutDepth) {
+  double squares = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto lengths = measured(room().map(seed, 0.002, [](const Vector3d&) { return true; }));
+    for (const std::size_t k : {0, 1, 4}) {
+      ASSERT_TRUE(lengths[k].length_m) << lengths[k].name << ": " << lengths[k].note;
+      EXPECT_LT(std::abs(*lengths[k].error_m()), 0.012) << lengths[k].name;
+      EXPECT_LT(lengths[k].sigma_m, 0.015) << lengths[k].name;
+      squares += std::pow(*lengths[k].error_m() / lengths[k].sigma_m, 2), ++count;
+    }
+    EXPECT_THAT(lengths[3].note, HasSubstr("only edges"));
+  }
+  EXPECT_LT(squares / count, 2.0);
+}
+
+/// What is given as 5 cm too near is found where it is.
+TEST(MapLengths, WithoutDepthDoNotFollowFromTheGivenPoints) {
+  LengthObject wrong = objects()[0];
+  for (LengthPoint* end : {&wrong.a, &wrong.b}) end->point.x() -= 0.05;
+  const Map map = room().map(2, 0.001, [](const Vector3d&) { return true; });
+  const MeasuredLength box = measure_lengths(map, {wrong}, {}, room().pool()).front();
+  ASSERT_TRUE(box.length_m) << box.note;
+  EXPECT_NEAR(*box.length_m, 0.32, 0.004) << "0.312 where it was given";
+}
+
+TEST(MapLengths, SeenFromOneSideAloneSayThatNothingTellsTheDistance) {
+  Map map = room().map(2, 0.0, [](const Vector3d&) { return true; });
+  map.keyframes.resize(2);
+  for (Keyframe& keyframe : map.keyframes) keyframe.world_from_camera = LengthRoom::true_pose(keyframe.id);
+  const MeasuredLength box = box_width(map);
+  if (box.length_m) {
+    EXPECT_THAT(box.note, HasSubstr("nearly one direction"));
+    EXPECT_GT(box.sigma_m, 0.005);
+  }
+}
+
 TEST(MapLengths, AreNotMeasuredWithoutEvidence) {
   const auto far = parse_length_objects(
       "objects:\n"
@@ -140,6 +178,21 @@ TEST(MapLengths, OfACloudEndWhereItsPointsEnd) {
     EXPECT_LT(std::abs(*one.error_m()), 3.0 * one.sigma_m) << one.name;
     EXPECT_LT(one.sigma_m, 0.03) << one.name;
   }
+}
+
+TEST(LengthScale, IsSetByTheKnownOne) {
+  std::vector<MeasuredLength> lengths(3);
+  lengths[0].name = "door", lengths[0].true_length_m = 2.0, lengths[0].length_m = 4.0, lengths[0].sigma_m = 0.04;
+  lengths[1].name = "table", lengths[1].length_m = 1.0, lengths[1].sigma_m = 0.0;
+  lengths[2].name = "hidden";
+  EXPECT_EQ(scale_by_known_length(lengths, "door"), 0.5);
+  ASSERT_EQ(lengths.size(), 2U) << "the known one is no result";
+  EXPECT_DOUBLE_EQ(*lengths[0].length_m, 0.5);
+  EXPECT_DOUBLE_EQ(lengths[0].sigma_m, 0.005) << "1 %, that of the door";
+  EXPECT_FALSE(lengths[1].length_m);
+  lengths[1].true_length_m = 1.0;
+  EXPECT_FALSE(scale_by_known_length(lengths, "hidden"));
+  EXPECT_EQ(lengths.size(), 2U);
 }
 
 TEST(CombinedLengths, KeyframesThatObserveBothDoNotNeedTheirPoses) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@
 #include "rastro/slam/slam.h"
 
 namespace rastro {
+
+/// Told of long work: what it is, and how many steps of how many are done.
+using StepsShown = std::function<void(const std::string& what, std::size_t done, std::size_t all)>;
 
 /// What a method may use of the run. Everything in it outlives the method.
 struct SlamContext {
@@ -35,6 +39,8 @@ struct SlamContext {
   /// Mapping results are taken when they are ready, and frames are not mapped where mapping falls behind: tracking
   /// never waits, and runs may differ.
   bool live = false;
+  /// Called by finish(), where that takes long. May be empty.
+  StepsShown on_finishing = nullptr;
 };
 
 /// One entry of the generated list of methods: its name, its settings and how to make it.

@@ -22,6 +22,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
     : options_(checked(options, "rgbd options")),
       camera_(camera),
       maps_(!context.map || context.extend_map),
+      on_finishing_(context.on_finishing),
       mapper_(options_, camera, context, std::move(method.search)),
       map_(context.map ? *context.map : base_map(method.name, options_, camera, method.baseline), mapper_.images(),
            !maps_, mapper_.signatures()),
@@ -236,6 +237,7 @@ std::vector<SlamEvent> RgbdSession::finish() {
   std::vector<SlamEvent> events;
   while (auto mapped = pipeline_.take_next()) apply(std::move(*mapped), events);
   if (!maps_ || !mapping_) return events;
+  if (on_finishing_) on_finishing_("last optimization of the graph", 0, 1);
   MapRevision revision = mapper_.settle();  // no job is under way any more
   mapping_state_ = revision.state;
   events.insert(events.end(), revision.events.begin(), revision.events.end());

@@ -119,7 +119,8 @@ class RgbdSession {
 
   RgbdSlamOptions options_;
   Camera camera_;
-  bool maps_;            ///< False: localization in a map given.
+  bool maps_;  ///< False: localization in a map given.
+  StepsShown on_finishing_;
   bool mapping_ = true;  ///< False: switched off for now.
   Mapper mapper_;
   TrackedMap map_;

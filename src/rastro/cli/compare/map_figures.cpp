@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/compare/map_figures.h"
 
+#include <algorithm>
+
+#include "rastro/base/error.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/base/text_file.h"
+#include "rastro/cli/lengths_scale.h"
 #include "rastro/cli/recorded_images.h"
 #include "rastro/evaluate/cloud_agreement.h"
 #include "rastro/evaluate/length_report.h"
+#include "rastro/evaluate/trajectory_input.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/images/image_layer.h"
+#include "rastro/map/landmarks/map_scale.h"
 
 namespace rastro::cli {
 namespace {
@@ -28,10 +34,23 @@ void add_agreement(const PointCloud& cloud, const fs::path& truth, TaskPool& poo
   figures["surface_complete_percent"] = 100.0 * agreement.completeness;
 }
 
-void add_lengths(const Map& map, const fs::path& objects_file, TaskPool& pool, RunFigures& figures) {
-  const LengthObjects objects = parse_length_objects(read_text_file(objects_file.string()), objects_file.string());
+LengthObjects objects_in(const fs::path& file) {
+  return parse_length_objects(read_text_file(file.string()), file.string());
+}
+
+/// One camera does not tell the scale: the longest known length does, and is no result then.
+std::string length_for_scale(const Map& map, const std::vector<LengthObject>& objects) {
+  if (map.cameras.front().kind != CameraKind::mono) return {};
+  const auto longest = std::max_element(objects.begin(), objects.end(), [](const auto& one, const auto& other) {
+    return one.true_length_m.value_or(0.0) < other.true_length_m.value_or(0.0);
+  });
+  return longest == objects.end() || !longest->true_length_m ? std::string() : longest->name;
+}
+
+void add_lengths(const Map& map, const LengthObjects& objects, TaskPool& pool, RunFigures& figures) {
   if (objects.in_frame_of_ground_truth) return;
-  const std::vector<MapOfLengths> measured = {{"", measure_lengths(map, objects.objects, {}, pool)}};
+  std::vector<MapOfLengths> measured = {{"", measure_lengths(map, objects.objects, {}, pool)}};
+  apply_known_length(measured.front().lengths, length_for_scale(map, objects.objects));
   for (const auto& [name, value] : length_figures(measured)) {
     if (name == "measured") figures["lengths_measured_percent"] = 100.0 * value;
     if (name == "mean_error_m") figures["length_mean_m"] = value;
@@ -42,21 +61,34 @@ void add_lengths(const Map& map, const fs::path& objects_file, TaskPool& pool, R
     if (const auto error = length.error_m()) figures["length/" + length.name + "_m"] = *error;
 }
 
+/// With images, and nearly metric, so that the objects are found: the trajectory's scale is replaced later.
+std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& recording) {
+  auto map = load_map(file);
+  if (map->keyframes.empty() || map->cameras.empty() || map->cameras.front().kind == CameraKind::none) return nullptr;
+  if (!images_of(*map)) map = with_recorded_images(*map, {recording.string(), ""});
+  if (scale_of(*map).metric) return map;
+  try {
+    const TrajectoryInput ground_truth = read_trajectory_input(recording.string());
+    return std::make_shared<const Map>(
+        scaled(*map, scale_from_reference(*map, ground_truth.poses, recording.string())));
+  } catch (const Error&) {
+    return nullptr;  // lost too early for a scale
+  }
+}
+
 }  // namespace
 
 void add_map_figures(const fs::path& run_folder, const fs::path& recording, RunFigures& figures) {
   const fs::path truth = recording / "truth.ply", objects = recording / "objects.yaml";
   const fs::path map_file = run_folder / "map.rastro";
   if (!is_file(map_file) || (!is_file(truth) && !is_file(objects))) return;
+  const auto map = map_to_measure(map_file, recording);
+  if (!map) return;
   TaskPool pool(0);
-  auto map = load_map(map_file);
-  if (map->keyframes.empty() || map->cameras.empty()) return;
-  if (!images_of(*map)) {
-    if (map->cameras.front().kind != CameraKind::depth) return;
-    map = with_recorded_images(*map, {recording.string(), ""});
-  }
-  if (is_file(truth)) add_agreement(build_cloud(*map, cloud_options_for(*map), &pool), truth, pool, figures);
-  if (is_file(objects)) add_lengths(*map, objects, pool, figures);
+  const bool has_depth = map->cameras.front().kind != CameraKind::mono;
+  if (is_file(truth) && has_depth)
+    add_agreement(build_cloud(*map, cloud_options_for(*map), &pool), truth, pool, figures);
+  if (is_file(objects)) add_lengths(*map, objects_in(objects), pool, figures);
 }
 
 void add_surface_figures(PointCloud cloud, const Sim3& first_camera_from_cloud, const fs::path& recording,

@@ -11,8 +11,10 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* note =
-    "The paper's ORB- and LSD-SLAM saw with one camera, its maps were measured by hand; ours see with the depth "
-    "camera, and 'rastro measure' measures. The rooms are generated, with the paper's lengths.";
+    "The paper's ORB- and LSD-SLAM saw with one camera, its maps were measured by hand; 'rastro measure' measures "
+    "ours. "
+    "Maps of one camera ('mono') are scaled by the longest known length, which is left out. The rooms are generated, "
+    "with the paper's lengths.";
 
 /// The first word: "orb" of "orb rgbd".
 std::string method_of(const std::string& column) { return column.substr(0, column.find(' ')); }

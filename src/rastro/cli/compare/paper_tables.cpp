@@ -23,7 +23,7 @@ std::vector<PaperTable> paper_tables(const Comparison& comparison, const std::ve
 std::vector<std::string> paper_inputs() { return {"bedroom", "study", "street --frames 320"}; }
 
 std::vector<std::string> paper_methods(const InputFacts& facts) {
-  if (facts.has_depth) return {"slam/rtabmap:rgbd", "orb:rgbd", "lsd:rgbd", "slam/rgbd"};
+  if (facts.has_depth) return {"slam/rtabmap:rgbd", "orb:rgbd", "lsd:rgbd", "slam/rgbd", "orb:mono", "lsd:mono"};
   return {"odometry/classic", "odometry/profiles", "odometry/hybrid", "odometry/features"};
 }
 

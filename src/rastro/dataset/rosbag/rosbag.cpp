@@ -186,7 +186,7 @@ class BagSource final : public Source {
     info_.has_odometry = !topics_.odometry.empty();
     info_.has_imu = !topics_.imu.empty();
     if (!topics_.depth.empty()) {
-      readings_ = depth_readings(options_, units_per_meter);
+      if (options_.want_depth) readings_ = depth_readings(options_, units_per_meter);
       describe_depth(readings_, info_);
     }
     info_.frame_count = contents.message_count.at(topics_.main());

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/lsd/current_keyframe.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace rastro {
 
 ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_from_keyframe) const {
@@ -18,6 +21,11 @@ bool CurrentKeyframe::is_left_by(const ImageAlignment& tracked) const {
       is_new ? 0.5 * (options_->keyframe_overlap + options_->min_overlap) : options_->keyframe_overlap;
   return tracked.rms < options_->keyframe_residual &&
          (distance * mean_inverse_depth_ > options_->keyframe_distance || tracked.overlap < overlap);
+}
+
+bool CurrentKeyframe::tells_scale(const ImageAlignment& tracked) const {
+  const double error = std::sqrt(std::max(0.0, tracked.covariance.topLeftCorner<3, 3>().trace()));
+  return error <= options_->max_motion_error * tracked.image_from_reference.translation().norm();
 }
 
 bool CurrentKeyframe::is_met_by(const ImageAlignment& tracked) const {

@@ -27,6 +27,9 @@ class CurrentKeyframe {
   ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe) const;
   /// Engel et al. 2013, section 2.3: whether a frame is too far away, in mean inverse depths, or sees too much else.
   bool is_left_by(const ImageAlignment& tracked) const;
+  /// Whether the motion to a frame is known well enough for a map that goes on from it: the scale of what comes into
+  /// view there, with one camera, follows from that motion.
+  bool tells_scale(const ImageAlignment& tracked) const;
   /// Whether a frame is near enough that this keyframe is used again instead of a new one.
   bool is_met_by(const ImageAlignment& tracked) const;
 

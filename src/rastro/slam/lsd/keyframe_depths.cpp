@@ -54,14 +54,22 @@ void KeyframeDepths::begin(std::int64_t id, const LsdFrame& frame, const SE3& de
 }
 
 void KeyframeDepths::measure(const LsdFrame& frame, const SE3& depth_from_color) {
-  if (!frame.right.empty()) {
-    const StereoMeasurement pair(frame, sensor_, options_, depth_options(options_).search, pools_.mapping);
-    depth_.measure([&](const auto& queries, auto& matches) { pair.find(queries, matches); }, pools_.mapping);
-  }
-  if (!frame.depth.empty()) {
-    const DepthCameraMeasurement camera(frame.depth, depth_from_color, sensor_, options_);
-    depth_.measure([&](const auto& queries, auto& matches) { camera.find(queries, matches); }, pools_.mapping);
-  }
+  sensed_.clear();
+  if (!frame.right.empty())
+    measure_by(StereoMeasurement(frame, sensor_, options_, depth_options(options_).search, pools_.mapping));
+  if (!frame.depth.empty()) measure_by(DepthCameraMeasurement(frame.depth, depth_from_color, sensor_, options_));
+}
+
+template <typename Sensor>
+void KeyframeDepths::measure_by(const Sensor& sensor) {
+  SensedDepthMap sensed(image_.width(), image_.height());
+  const auto find = [&](const EpipolarQueries& queries, EpipolarMatches& matches) {
+    sensor.find(queries, matches);
+    sensed.note(queries, matches);
+  };
+  depth_.measure(find, pools_.mapping);
+  // Half a cell of the refinement: the pixel that this chooses is one of them, if it was measured.
+  sensed_ = sensed.thinned(image_.view(), cell_for(options_.refine_points, image_.width(), image_.height()) / 2);
 }
 
 void KeyframeDepths::update_reference() {
@@ -121,7 +129,7 @@ Sim3 KeyframeDepths::change_to(std::int64_t id, const LsdFrame& frame, const Ima
 
 std::shared_ptr<const SemiDenseKeyframe> KeyframeDepths::published() const {
   return std::make_shared<const SemiDenseKeyframe>(
-      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_, mask_});
+      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_, mask_, sensed_});
 }
 
 }  // namespace rastro

@@ -58,6 +58,8 @@ class KeyframeDepths {
   void observe_earlier(const ImageAlignment& tracked, double unit);
   void begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color);
   void measure(const LsdFrame& frame, const SE3& depth_from_color);
+  template <typename Sensor>
+  void measure_by(const Sensor& sensor);
   void update_reference();
 
   const LsdOptions& options_;
@@ -73,6 +75,7 @@ class KeyframeDepths {
   std::vector<InverseDepthMap> coarse_depth_;  ///< Of the levels after the finest.
   std::shared_ptr<const AlignmentReference> reference_;
   double mean_inverse_depth_ = 1.0;
+  std::vector<SensedDepth> sensed_;
   int frames_ = 0;            ///< That refined it.
   std::vector<View> recent_;  ///< The last ones, in order.
 };

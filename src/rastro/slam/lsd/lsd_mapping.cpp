@@ -44,6 +44,7 @@ LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const
       constraints_(options, sensor, graph_, pools.mapping),
       features_(OrbOptions{}),
       stop_(context.stop),
+      on_finishing_(context.on_finishing),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
 void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
@@ -146,7 +147,8 @@ void LsdMapping::finish(SlamUpdate& update) {
   is_finished_ = true;
   if (is_stopped() || options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
   FinalRefinement refinement(options_, graph_, sensor_);
-  const std::string summary = refinement.run(pools_.tracking, [this] { return is_stopped(); });
+  const std::string summary = refinement.run(
+      pools_.tracking, [this] { return is_stopped(); }, on_finishing_);
   if (!refinement.is_better()) return;
   graph_.set_poses(refinement.poses());
   update.events.push_back({"map_revised", summary});

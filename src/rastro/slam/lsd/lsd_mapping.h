@@ -92,8 +92,9 @@ class LsdMapping {
   bool is_finished_ = false;  ///< The newest keyframe is an earlier one that goes on: it has its constraints.
   Change change_;
   const std::atomic<bool>* stop_;  ///< The run is interrupted: what is optional is left out. May be null.
-  std::size_t budget_bytes_;       ///< 0: none.
-  std::int64_t forgotten_ = 0;     ///< Keyframes without depths.
+  StepsShown on_finishing_;
+  std::size_t budget_bytes_;    ///< 0: none.
+  std::int64_t forgotten_ = 0;  ///< Keyframes without depths.
 };
 
 }  // namespace rastro

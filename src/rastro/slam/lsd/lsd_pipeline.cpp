@@ -23,6 +23,7 @@ void add_time(const StageTime& time, std::vector<StageTime>& times) {
 LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames,
                          const SlamContext& context)
     : options_(options),
+      is_metric_(sensor.is_metric()),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
       uncertainty_(sensor.is_metric() ? 0.0 : options.scale_drift_share),
@@ -81,7 +82,8 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
   }
   MappingInput input{std::move(frame), current().id(), tracked, MappingInput::Use::place, {}};
   if (is_sure) input.use = MappingInput::Use::refine;
-  if (is_sure && !is_changing_ && current().is_left_by(tracked)) {
+  const bool knows_scale = is_metric_ || current().tells_scale(tracked);
+  if (is_sure && knows_scale && !is_changing_ && current().is_left_by(tracked)) {
     input.use = MappingInput::Use::keyframe;
     input.depth_from_color = motion.within(input.frame->depth_stamp - input.frame->stamp);
     is_changing_ = true;

@@ -61,6 +61,7 @@ class LsdPipeline {
   AlignedFrame aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const;
 
   const LsdOptions& options_;
+  bool is_metric_;
   TaskPool mapping_pool_;
   LsdMapping mapping_;  ///< Belongs to the jobs while some are in flight.
   std::optional<MappedKeyframe> current_;

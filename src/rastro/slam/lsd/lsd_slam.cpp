@@ -45,9 +45,8 @@ class LsdSlam::State {
   LsdSensor sensor_;
   LsdFrameMaker frames_;
   FrameCheck check_;
-  TaskPool* context_pool_;
   LsdStart start_;
-  std::optional<ConvergenceCheck> convergence_;  ///< Until random depths have converged; nullopt: others are true.
+  ConvergenceCheck convergence_;  ///< Of depths that begin at random.
   PoseSearch search_;
   LsdMotion motion_;
   std::int64_t number_ = 0;  ///< Of the frame, counting all.
@@ -61,8 +60,8 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
       sensor_(sensor),
       frames_(sensor, options.levels, context.pool),
       check_(options.frame_check),
-      context_pool_(context.pool),
       start_(options_, sensor_, frames_, context.pool),
+      convergence_(two_view_options(options_), sensor_.camera, context.pool),
       search_(options_, sensor_.camera),
       mapping_(options_, sensor_, frames_, context),
       relocalization_(options_, mapping_.settled().graph(),
@@ -109,6 +108,7 @@ void LsdSlam::State::on_unusable_frame() {
   motion_.lost = mapping_.has_keyframe();
   motion_.lost_frames = std::min(motion_.lost_frames + 1, options_.lost_frames);
   relocalization_.reset();
+  convergence_.interrupt();
 }
 
 void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
@@ -117,8 +117,7 @@ void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
   const auto camera_from_keyframe = start_.take(frame, mapping_.idle(motion_, update), search_, update);
   if (!camera_from_keyframe) return;
   mapping_.on_change(true);
-  if (options_.start == "random" && !sensor_.is_metric())
-    convergence_.emplace(two_view_options(options_), sensor_.camera, context_pool_);
+  if (options_.start == "random" && !sensor_.is_metric()) convergence_.begin(mapping_.current().id());
   doubt(update);
   update.world_from_body = mapping_.pose_of(*camera_from_keyframe);
   motion_ = {};
@@ -128,28 +127,25 @@ void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
 }
 
 void LsdSlam::State::check_convergence(const LsdFrame& frame, SlamUpdate& update) {
-  if (!convergence_) return;
-  convergence_->take(frame, mapping_.current());
-  if (!convergence_->has_converged()) return;
   const std::int64_t keyframe = mapping_.current().id();
+  if (!convergence_.take(frame, mapping_.current())) return;
   update.events.push_back({"converged",
                            fmt::format("by keyframe {}: depths that began at random differ by {:.0f} % from those of "
                                        "two views",
-                                       keyframe, 100.0 * convergence_->difference()),
+                                       keyframe, 100.0 * convergence_.difference()),
                            keyframe});
-  convergence_.reset();
 }
 
 /// Says what is not known yet: where a submap lies, and whether random depths have become true ones.
 void LsdSlam::State::doubt(SlamUpdate& update) const {
   mapping_.doubt(update);
-  if (!convergence_ || update.state == SlamState::weak) return;
+  if (update.state == SlamState::weak || !convergence_.is_doubtful(mapping_.current().id())) return;
   update.state = SlamState::weak;
   update.reason = SlamReason::unconfirmed;
   update.detail = "depths that began at random have not converged yet";
-  if (convergence_->difference() > 0.0)
+  if (convergence_.difference() > 0.0)
     update.detail += fmt::format(": {:.0f} % off those of two views; start=two_views begins with these",
-                                 100.0 * convergence_->difference());
+                                 100.0 * convergence_.difference());
 }
 
 /// What is in doubt is tried again with all that mapping knows by now.
@@ -201,7 +197,7 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const PoseVerdict& verdict, 
   update.detail = verdict.detail;
   motion_.lost = true;
   motion_.weak_frames = 0;
-  if (convergence_) convergence_->reset();
+  convergence_.interrupt();
   relocalize(frame, true, update);
 }
 

@@ -59,8 +59,8 @@ void add_start_options(OptionTable& table, LsdOptions& o) {
   table.add({"start",
              &o.start,
              "",
-             "first depths: from two views, or random ones with a large variance, which converge within some keyframes "
-             "(the paper's)",
+             "first depths: from two views, or random ones with a large variance, the paper's: frames are weak "
+             "until they have converged, which they may never do",
              0,
              0,
              {"two_views", "random"}});
@@ -228,6 +228,14 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              "rms residual above which a frame becomes no keyframe and does not improve depths",
              0,
              100,
+             {}});
+  table.add({"max_motion_error",
+             &o.max_motion_error,
+             "",
+             "standard deviation of the motion since the keyframe, as a share of it, above which a frame of one camera "
+             "becomes no keyframe: the scale of what comes into view would follow from that motion",
+             0,
+             1000,
              {}});
   table.add(
       {"keyframe_frames",

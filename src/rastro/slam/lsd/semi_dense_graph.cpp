@@ -75,6 +75,7 @@ std::size_t SemiDenseGraph::bytes() const {
   for (const auto& keyframe : keyframes_)
     sum += static_cast<std::size_t>(keyframe->image.width()) * static_cast<std::size_t>(keyframe->image.height()) *
                a_pixel +
+           keyframe->sensed.size() * sizeof(SensedDepth) +
            static_cast<std::size_t>(keyframe->mask.width()) * static_cast<std::size_t>(keyframe->mask.height());
   return sum;
 }

@@ -13,6 +13,7 @@
 #include "rastro/slam/lsd/inverse_depth_map.h"
 #include "rastro/slam/lsd/lsd_sensor.h"
 #include "rastro/slam/lsd/options.h"
+#include "rastro/slam/lsd/sensed_depths.h"
 
 namespace rastro {
 
@@ -26,6 +27,7 @@ struct SemiDenseKeyframe {
   InverseDepthMap depth;
   double mean_inverse_depth = 1.0;
   GrayImage mask = {};  ///< Zero: must not be used; empty: all may be.
+  std::vector<SensedDepth> sensed = {};
 };
 
 /// A frame's pose relative to a keyframe and in its unit, so that it follows the keyframe's later corrections.

@@ -18,6 +18,7 @@ constexpr double reserve_mb = 150.0;  ///< For everything except the map.
 KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, const SlamContext& context)
     : session_(session),
       tracker_(tracker),
+      on_finishing_(context.on_finishing),
       adjusting_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       local_mapping_(session.options, session.graph, &mapping_pool_, session.stop, session.direct.alignment.get()),
@@ -170,8 +171,11 @@ void KeyframePipeline::adjust_map() {
   const OrbSlamOptions& options = session_.options;
   if (options.final_iterations <= 0) return;
   if (session_.graph.keyframe_count() > static_cast<std::size_t>(options.final_keyframes)) return;
-  for (int submap = 0; submap < session_.graph.submap_count(); ++submap)
+  const auto submaps = static_cast<std::size_t>(session_.graph.submap_count());
+  for (int submap = 0; submap < session_.graph.submap_count(); ++submap) {
+    if (on_finishing_) on_finishing_("bundle adjustment, submap", static_cast<std::size_t>(submap), submaps);
     local_mapping_.adjust_all(submap, options.final_iterations);
+  }
 }
 
 void KeyframePipeline::archive_map() {

@@ -85,6 +85,7 @@ class KeyframePipeline {
 
   OrbSession& session_;
   FrameTracker& tracker_;
+  StepsShown on_finishing_;
   TaskPool adjusting_pool_;
   TaskPool mapping_pool_;  ///< Separate, so that tracking's loops never wait for mapping's.
   LocalMapping local_mapping_;

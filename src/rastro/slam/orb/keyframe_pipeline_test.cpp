@@ -70,6 +70,20 @@ TEST(KeyframePipeline, TakesAllResultsInFlightInOrder) {
   EXPECT_TRUE(bench.events.empty());
 }
 
+TEST(KeyframePipeline, OnlyKeyframesOfTheMapHaveAnUncertainty) {
+  PipelineBench bench{OrbSlamOptions()};
+  for (std::int64_t id = 0; id < 3; ++id)
+    bench.session.uncertainty.set(id, Eigen::Vector3d::Zero(), Matrix6d::Identity());
+  bench.pipeline.insert(bench.input(11, 2.4, 2), second);
+  bench.pipeline.take_all_results(bench.events);
+  int removed = 0;
+  for (std::int64_t id = 0; id < 3; ++id) {
+    EXPECT_EQ(bench.session.uncertainty.contains(id), bench.session.graph.has_keyframe(id)) << id;
+    removed += bench.session.graph.has_keyframe(id) ? 0 : 1;
+  }
+  EXPECT_GT(removed, 0) << "they see the same";
+}
+
 TEST(KeyframePipeline, LostTrackingKeepsTheView) {
   PipelineBench bench;
   bench.session.tracking = false;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "rastro/math/median.h"
 
@@ -17,11 +19,6 @@ constexpr int border_px = 4;
 constexpr double most_uncertain = 0.3;  // Sigma of an inverse depth, of itself.
 constexpr std::size_t least_points = 30;
 constexpr double measured_factor = 2.0;  // Of sigmas: errors of a sensor's depths are alike among neighbors.
-
-int squared_gradient(const GrayImage& image, int x, int y) {
-  const int across = image.at(x + 1, y) - image.at(x - 1, y), upright = image.at(x, y + 1) - image.at(x, y - 1);
-  return across * across + upright * upright;
-}
 
 bool is_certain(const InverseDepthMap& depth, int x, int y) {
   const double mean = static_cast<double>(depth.mean.at(x, y)), variance = static_cast<double>(depth.variance.at(x, y));
@@ -53,7 +50,7 @@ void FinalRefinement::choose_points(std::int64_t id) {
   const SemiDenseKeyframe& known = graph_.keyframe(id);
   if (known.image.empty()) return;
   const int width = known.image.width(), height = known.image.height();
-  const int cell_px = std::max(2, static_cast<int>(std::sqrt(1.0 * width * height / options_.refine_points)));
+  const int cell_px = cell_for(options_.refine_points, width, height);
   const double unit = graph_.pose(id).scale();
   for (int top = border_px; top + cell_px + border_px < height; top += cell_px) {
     for (int left = border_px; left + cell_px + border_px < width; left += cell_px) {
@@ -61,7 +58,7 @@ void FinalRefinement::choose_points(std::int64_t id) {
       for (int y = top; y < top + cell_px; ++y) {
         for (int x = left; x < left + cell_px; ++x) {
           if (!is_certain(known.depth, x, y)) continue;
-          const int gradient = squared_gradient(known.image, x, y);
+          const int gradient = squared_gradient(known.image.view(), x, y);
           if (gradient > best) best = gradient, best_x = x, best_y = y;
         }
       }
@@ -98,15 +95,56 @@ void FinalRefinement::choose_targets() {
   }
 }
 
-std::string FinalRefinement::run(TaskPool* pool, const std::function<bool()>& stopped) {
+std::string FinalRefinement::run(TaskPool* pool, const std::function<bool()>& stopped, const StepsShown& shown) {
   PhotometricBundleOptions options;
   options.iterations = options_.refine_iterations;
   options.stopped = stopped;
+  if (shown)
+    options.begins = [&](int iteration) {
+      shown("photometric adjustment, iteration", static_cast<std::size_t>(iteration),
+            static_cast<std::size_t>(options_.refine_iterations));
+    };
   const PhotometricBundleResult result = adjust_photometric_bundle(keyframes_, camera_, options, pool);
   better_ = result.last_cost < result.first_cost;
+  if (is_metric_) scale_by_sensor();
   return fmt::format(
       "photometric adjustment of {} keyframes: cost {:.4g} -> {:.4g} in {} iterations, {} pixels compared",
       keyframes_.size(), result.first_cost, result.last_cost, result.iterations, result.residuals);
+}
+
+/// Of the points that a sensor measured.
+std::vector<DepthRatio> FinalRefinement::ratios_of(std::int64_t id) const {
+  std::map<std::pair<int, int>, const SensedDepth*> sensed;
+  for (const SensedDepth& one : graph_.keyframe(id).sensed) sensed[{one.x, one.y}] = &one;
+  std::vector<DepthRatio> ratios;
+  for (const PhotometricPoint& point : keyframes_[static_cast<std::size_t>(id)].points) {
+    const auto found = sensed.find({point.x, point.y});
+    if (found == sensed.end()) continue;
+    const SensedDepth& one = *found->second;
+    ratios.push_back({static_cast<double>(one.inverse_depth), static_cast<double>(one.sigma), point.inverse_depth});
+  }
+  return ratios;
+}
+
+/// Images tell motion and depth up to a common scale only, one for each submap.
+void FinalRefinement::scale_by_sensor() {
+  std::map<int, std::vector<DepthRatio>> ratios;
+  for (std::int64_t id = 0; id < graph_.size(); ++id) {
+    const std::vector<DepthRatio> own = ratios_of(id);
+    std::vector<DepthRatio>& all = ratios[graph_.submap(id)];
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  std::map<int, double> scales;
+  for (const auto& [submap, of_submap] : ratios) scales[submap] = sensed_scale(of_submap);
+  std::map<int, Eigen::Vector3d> origins;
+  for (std::int64_t id = 0; id < graph_.size(); ++id) {
+    SE3& camera_from_world = keyframes_[static_cast<std::size_t>(id)].camera_from_world;
+    const SE3 world_from_keyframe = camera_from_world.inverse();
+    const int submap = graph_.submap(id);
+    const Eigen::Vector3d& origin = origins.try_emplace(submap, world_from_keyframe.translation()).first->second;
+    const Eigen::Vector3d way = (world_from_keyframe.translation() - origin) / scales[submap];
+    camera_from_world = SE3(world_from_keyframe.rotation(), origin + way).inverse();
+  }
 }
 
 std::vector<Sim3> FinalRefinement::poses() const {

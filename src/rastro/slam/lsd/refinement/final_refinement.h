@@ -11,6 +11,7 @@
 #include "rastro/slam/lsd/options.h"
 #include "rastro/slam/lsd/refinement/photometric_bundle.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
+#include "rastro/slam/slam_method.h"
 
 namespace rastro {
 
@@ -24,8 +25,8 @@ class FinalRefinement {
   /// Of fewer keyframes little has accumulated, and two of them hardly tell what moves from what stands still.
   static constexpr std::int64_t least_keyframes = 5;
 
-  /// Changes no map. Ends early once `stopped`. Returns a summary for the log.
-  std::string run(TaskPool* pool, const std::function<bool()>& stopped);
+  /// Changes no map. Ends early once `stopped`; `shown` may be empty. Returns a summary for the log.
+  std::string run(TaskPool* pool, const std::function<bool()>& stopped, const StepsShown& shown);
   /// Whether run() gained anything: poses() are better than those of the map.
   bool is_better() const { return better_; }
   /// world_from_keyframe by keyframe, with the scales that their depths in the map need.
@@ -34,6 +35,8 @@ class FinalRefinement {
  private:
   void choose_points(std::int64_t id);
   void choose_targets();
+  std::vector<DepthRatio> ratios_of(std::int64_t id) const;
+  void scale_by_sensor();
 
   const LsdOptions& options_;
   const SemiDenseGraph& graph_;

@@ -251,6 +251,7 @@ class PhotometricBundle {
     PhotometricBundleResult result;
     double damping = 1e-3;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
+      if (options_.begins) options_.begins(iteration);
       const std::vector<HostNormal> normals = linearize(damping);
       if (stopped()) break;
       ++result.iterations;

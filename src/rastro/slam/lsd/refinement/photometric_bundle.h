@@ -35,9 +35,10 @@ struct PhotometricBundleOptions {
   /// Levels per pixel: pixels with larger gradients count less, as errors of depth and interpolation show there (ibid.,
   /// equation 7).
   double gradient_scale = 20.0;
-  double intensity_sigma = 5.0;   ///< Of a residual, against which a measured depth counts.
-  double outlier = 40.0;          ///< Residuals count no more than this: the point is hidden there.
-  double least_gain = 1e-4;       ///< Relative decrease of the cost below which an iteration is the last.
+  double intensity_sigma = 5.0;               ///< Of a residual, against which a measured depth counts.
+  double outlier = 40.0;                      ///< Residuals count no more than this: the point is hidden there.
+  double least_gain = 1e-4;                   ///< Relative decrease of the cost below which an iteration is the last.
+  std::function<void(int iteration)> begins;  ///< Called before each iteration. May be empty.
   std::function<bool()> stopped;  ///< Once true, the step at hand is dropped; the result so far stays. May be empty.
 };
 

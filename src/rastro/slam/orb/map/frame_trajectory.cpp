@@ -23,6 +23,11 @@ SE3 with_direct(const TrackedFrame& frame, const MapGraph& graph, const PoseRefi
   return fused({refined.camera_from_world, refined.covariance}, {by_images, direct.covariance}).camera_from_keyframe;
 }
 
+void only_remember(TrackedFrame& frame) {
+  frame.seen = std::vector<FrameObservation>();  // "= {}" would keep the memory
+  frame.direct.reset();
+}
+
 }  // namespace
 
 /// An eighth more: doubling takes twice the memory. Not std::deque, whose small blocks stay scattered between what
@@ -37,13 +42,12 @@ void FrameTrajectory::add(const TrackedFrame& frame) {
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
                                    [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
   const auto added = frames_.insert(at, frame);
-  // "= {}" would keep the memory.
-  if (!keeps_observations_) added->seen = std::vector<FrameObservation>();
+  if (!keeps_observations_) only_remember(*added);
 }
 
 void FrameTrajectory::forget_observations() {
   keeps_observations_ = false;
-  for (TrackedFrame& frame : frames_) frame.seen = std::vector<FrameObservation>();
+  for (TrackedFrame& frame : frames_) only_remember(frame);
 }
 
 std::size_t FrameTrajectory::bytes() const {
@@ -83,8 +87,7 @@ std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::
     if (taken.size() == observed - kept) break;
     if (frame.seen.empty()) continue;
     taken.push_back(frame);
-    frame.seen = std::vector<FrameObservation>();
-    frame.direct.reset();
+    only_remember(frame);
   }
   return taken;
 }

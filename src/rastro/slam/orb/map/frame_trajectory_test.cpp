@@ -279,6 +279,17 @@ TEST(FrameTrajectory, AFrameThatIsOnlyRememberedIsSmall) {
   EXPECT_LE(bench.recorded.bytes(), 6U * 192U);
 }
 
+TEST(FrameTrajectory, WhereMemoryIsShortFramesAreRememberedOnly) {
+  PathBench bench(CameraKind::depth);
+  for (int k = 1; k < 7; ++k) {
+    if (k == 4) bench.recorded.forget_observations();
+    TrackedFrame frame = bench.seeing(k, 0, pose_at(0.1 * k), SE3());
+    frame.direct = std::make_shared<DirectObservation>();
+    bench.recorded.add(frame);
+  }
+  EXPECT_LE(bench.recorded.bytes(), 6U * 192U);
+}
+
 /// What whole images say of the pose counts with the features, by its certainty.
 TEST(FrameTrajectory, RefinesWithTheDirectPose) {
   PathBench bench(CameraKind::depth);
