@@ -139,12 +139,16 @@ mono() {
   refused 'give one of' scale "$here/mono"
   refused 'is not a length' scale "$here/mono" --length 1,2
   refused 'has no landmark' scale "$here/mono" --length 1,987654321,2
+  refused 'name a known length with --known' measure "$here/mono" --objects "$room/objects.yaml"
+  refused "did you mean 'blue box width'?" measure "$here/mono" --objects "$room/objects.yaml" --known 'blue bx'
   run 0 scale "$here/mono" --reference "$room"
   run 0 scale "$here/mono" --reference "$room" --json
   grep -Eq '"meters_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in meters: $(cat "$here/stdout")"
   run 0 info "$here/mono"
   said 'meters, from a reference trajectory'
   run 0 evaluate trajectory "$room" "$here/mono" --align se3 --require 'ate_rmse<=0.1'
+  run 0 measure "$here/mono" --objects "$room/objects.yaml" --known 'blue box height' --only 'blue box width' --require 'max_error_percent<=10'
+  ! grep -q 'blue box height' "$here/stdout" || fail "the known length is no result"
 }
 
 # The recording of the room there and back again, for minutes.

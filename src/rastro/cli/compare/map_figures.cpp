@@ -62,9 +62,10 @@ void add_lengths(const Map& map, const LengthObjects& objects, TaskPool& pool, R
 }
 
 /// With images, and nearly metric, so that the objects are found: the trajectory's scale is replaced later.
-std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& recording) {
+std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& recording, bool has_objects) {
   auto map = load_map(file);
   if (map->keyframes.empty() || map->cameras.empty() || map->cameras.front().kind == CameraKind::none) return nullptr;
+  if (!images_of(*map) && !has_objects && map->cameras.front().kind != CameraKind::depth) return nullptr;
   if (!images_of(*map)) map = with_recorded_images(*map, {recording.string(), ""});
   if (scale_of(*map).metric) return map;
   try {
@@ -82,7 +83,7 @@ void add_map_figures(const fs::path& run_folder, const fs::path& recording, RunF
   const fs::path truth = recording / "truth.ply", objects = recording / "objects.yaml";
   const fs::path map_file = run_folder / "map.rastro";
   if (!is_file(map_file) || (!is_file(truth) && !is_file(objects))) return;
-  const auto map = map_to_measure(map_file, recording);
+  const auto map = map_to_measure(map_file, recording, is_file(objects));
   if (!map) return;
   TaskPool pool(0);
   const bool has_depth = map->cameras.front().kind != CameraKind::mono;
