@@ -74,10 +74,7 @@ MapScaleFound find_scale(const Flags& flags, const Map& map) {
   const ReferenceTrajectory reference = read_reference(flags.reference, {});
   if (!reference.input.has_stamps)
     throw Error("has no timestamps", flags.reference, "put its times.txt beside it, or convert it to TUM format");
-  Trajectory of_camera = reference.input.poses;
-  if (const auto& mount = reference.body_from_camera_of_estimates)
-    for (StampedPose& pose : of_camera) pose.world_from_body = pose.world_from_body * *mount;
-  return scale_from_reference(map, of_camera, "--reference");
+  return scale_from_reference(map, poses_of_camera(reference), "--reference");
 }
 
 std::shared_ptr<const Map> scalable_map(const std::string& file) {

@@ -180,6 +180,13 @@ ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFile
   return reference;
 }
 
+Trajectory poses_of_camera(const ReferenceTrajectory& reference) {
+  Trajectory of_camera = reference.input.poses;
+  if (const auto& mount = reference.body_from_camera_of_estimates)
+    for (StampedPose& pose : of_camera) pose.world_from_body = pose.world_from_body * *mount;
+  return of_camera;
+}
+
 TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory& reference,
                               const TrajectoryFileFlags& flags) {
   std::string file = path;

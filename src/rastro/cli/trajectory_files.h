@@ -33,6 +33,9 @@ struct ReferenceTrajectory {
 /// after the last one are omitted. Error for what cannot be read, and for --estimate-of camera without a T_BS.
 ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags);
 
+/// world_from_camera.
+Trajectory poses_of_camera(const ReferenceTrajectory& reference);
+
 /// A trajectory file or a run folder.
 TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory& reference,
                               const TrajectoryFileFlags& flags);

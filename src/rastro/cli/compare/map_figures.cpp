@@ -8,9 +8,9 @@
 #include "rastro/base/text_file.h"
 #include "rastro/cli/lengths_scale.h"
 #include "rastro/cli/recorded_images.h"
+#include "rastro/cli/trajectory_files.h"
 #include "rastro/evaluate/cloud_agreement.h"
 #include "rastro/evaluate/length_report.h"
-#include "rastro/evaluate/trajectory_input.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
 #include "rastro/map/file/map_file.h"
@@ -69,9 +69,8 @@ std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& 
   if (!images_of(*map)) map = with_recorded_images(*map, {recording.string(), ""});
   if (scale_of(*map).metric) return map;
   try {
-    const TrajectoryInput ground_truth = read_trajectory_input(recording.string());
-    return std::make_shared<const Map>(
-        scaled(*map, scale_from_reference(*map, ground_truth.poses, recording.string())));
+    const Trajectory ground_truth = poses_of_camera(read_reference(recording.string(), {}));
+    return std::make_shared<const Map>(scaled(*map, scale_from_reference(*map, ground_truth, recording.string())));
   } catch (const Error&) {
     return nullptr;  // lost too early for a scale
   }
