@@ -88,7 +88,8 @@ void ProgressBar::show(const OdometryProgress& progress) { show_any(progress); }
 void ProgressBar::show(const SlamProgress& progress) { show_any(progress); }
 
 void ProgressBar::show_steps(const std::string& what, std::size_t done, std::size_t all) {
-  if (latency_passed())
+  // The first step of something is shown at once: it may be the only one that is told.
+  if (latency_passed() || (wanted_ && done == 0))
     draw(fmt::format("{} {} {}/{}", bar(static_cast<double>(done) / static_cast<double>(all)), what, done, all));
 }
 
