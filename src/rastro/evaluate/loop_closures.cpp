@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "rastro/base/error.h"
 #include "rastro/math/alignment.h"
@@ -111,15 +112,24 @@ class Scoring {
         continue;
       }
       ++scores_.accepted;
-      *right ? closed_.push_back(link->stamp) : static_cast<void>(++scores_.wrong);
+      if (!*right) {
+        ++scores_.wrong;
+        continue;
+      }
+      closed_.push_back(link->stamp);
+      closing_keyframes_.insert(link->stamp == to.stamp ? to.id : from.id);
     }
   }
 
+  /// A frame is placed in a keyframe, of an earlier visit or one that closes a loop with such.
   void add_frames() {
     for (const MapFrame& frame : map_.frames) {
       const Keyframe& keyframe = *map_.find(frame.keyframe);
-      const auto link = link_of(keyframe.stamp, frame.stamp, of_body(keyframe, frame.keyframe_from_camera));
-      if (link && link->stamp == frame.stamp && is_right(*link).value_or(false)) closed_.push_back(frame.stamp);
+      if (frame.stamp <= keyframe.stamp) continue;
+      const Link link{frame.stamp, keyframe.stamp, of_body(keyframe, frame.keyframe_from_camera)};
+      const bool is_of_earlier_visit = to_seconds(link.stamp - link.earlier_stamp) >= limits_.gap_s;
+      if ((is_of_earlier_visit || closing_keyframes_.count(keyframe.id) > 0) && is_right(link).value_or(false))
+        closed_.push_back(frame.stamp);
     }
   }
 
@@ -136,6 +146,7 @@ class Scoring {
   double meters_per_unit_;
   LoopClosureScores scores_;
   std::vector<TimeNs> closed_;
+  std::set<std::int64_t> closing_keyframes_;
 };
 
 }  // namespace

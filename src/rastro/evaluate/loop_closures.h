@@ -24,7 +24,7 @@ struct LoopClosureLimits {
   double gap_s = 15.0;       ///< Frames nearer in time are no revisit.
   double max_error_m = 0.5;  ///< Of the relative pose of a right loop closure,
   double max_error_deg = 10.0;
-  double max_dt_s = 0.26;  ///< Between a revisit and the keyframe that closes it.
+  double max_dt_s = 0.26;  ///< Between a revisit and the keyframe or frame that closes it.
   double max_ground_truth_gap_s = 1.0;
 };
 
@@ -46,8 +46,9 @@ struct LoopClosureScores {
 };
 
 /// Precision of the loop closures in a map, and recall of the true ones. A frame that the map holds relative to a
-/// keyframe from an earlier visit, rightly, is found without a constraint of its own. `ground_truth`: in the frame of
-/// the map's cameras, in the order of time. A map up to scale has the scale that aligns its keyframes with it.
+/// keyframe from an earlier visit, rightly, is found without a constraint of its own; so is one relative to a keyframe
+/// that a right constraint closes. `ground_truth`: in the frame of the map's cameras, in the order of time. A map up to
+/// scale has the scale that aligns its keyframes with it.
 LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
                                       const Trajectory& ground_truth, const LoopClosureLimits& limits = {});
 

@@ -105,6 +105,18 @@ TEST(LoopClosureScores, AFrameInAnOldKeyframeIsFound) {
   EXPECT_EQ(scores.found, 1);
 }
 
+/// Its keyframe may be seconds old where the camera moves slowly.
+TEST(LoopClosureScores, AFrameInAKeyframeThatClosesALoopIsFound) {
+  Case test;
+  test.close(0, 4, 0.1);
+  test.revisits = {{from_seconds(45.0), from_seconds(5.0)}, {from_seconds(50.0), from_seconds(10.0)}};
+  test.map.frames.push_back({from_seconds(45.0), 4, SE3(SO3(), {0.5, 0, 0})});
+  test.map.frames.push_back({from_seconds(50.0), 4, SE3(SO3(), {3.0, 0, 0})});  // Wrong: 1 m from it.
+  EXPECT_EQ(test.score().found, 1);
+  test.map.constraints.clear();
+  EXPECT_EQ(test.score().found, 0);
+}
+
 TEST(LoopClosureScores, WithoutGroundTruthNothingIsJudged) {
   Case test;
   test.close(0, 4, 0.0);

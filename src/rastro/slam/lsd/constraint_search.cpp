@@ -11,22 +11,42 @@
 namespace rastro {
 namespace {
 
-constexpr std::int64_t consecutive = 10;  // keyframes between which nothing has drifted much
+/// Translation in mean distances, rotation and the logarithm of the scale, the largest.
+double deviation(const Sim3& found, const Sim3& expected, double mean_inverse_depth) {
+  const Vector7d moved = (found * expected.inverse()).log();
+  return std::max({moved.head<3>().norm() * mean_inverse_depth, moved.segment<3>(3).norm(), std::abs(moved(6))});
+}
 
 }  // namespace
 
 std::vector<Constraint> ConstraintSearch::find(std::int64_t id, const BagOfWords& words) {
-  std::vector<Candidate> candidates;
-  const auto is_earlier = [id](std::int64_t other) { return other < id; };
-  std::vector<std::int64_t> near = graph_.near(id, options_.near_keyframes, is_earlier);
-  for (const std::int64_t other : near) candidates.push_back({other, graph_.pose(other).inverse() * graph_.pose(id)});
+  std::vector<Candidate> candidates = near(id, id - consecutive, id);
+  // Apart, or the recent ones, always nearest, would leave no room for them.
+  const std::vector<Candidate> revisited = near(id, 0, id - consecutive);
+  candidates.insert(candidates.end(), revisited.begin(), revisited.end());
   const auto is_elsewhere = [&](std::int64_t other) {
-    return std::abs(other - id) > consecutive && std::find(near.begin(), near.end(), other) == near.end();
+    return std::abs(other - id) > consecutive &&
+           std::none_of(candidates.begin(), candidates.end(),
+                        [&](const Candidate& known) { return known.id == other; });
   };
   // Where drift or another submap says nothing of the relative pose, what looks alike is seen from nearby.
-  for (const std::int64_t other : graph_.similar(words, options_.similar_keyframes, is_elsewhere))
-    candidates.push_back({other, Sim3()});
+  const std::vector<std::int64_t> alike = graph_.similar(words, options_.similar_keyframes, is_elsewhere);
+  for (const std::int64_t other : alike) candidates.push_back({other, Sim3(), false});
   return align_all(candidates, id);
+}
+
+std::vector<Constraint> ConstraintSearch::find_revisited(std::int64_t id) {
+  return align_all(near(id, 0, id - consecutive), id);
+}
+
+/// Of the keyframes from `first` to before `end`.
+std::vector<ConstraintSearch::Candidate> ConstraintSearch::near(std::int64_t id, std::int64_t first,
+                                                                std::int64_t end) const {
+  std::vector<Candidate> candidates;
+  for (const std::int64_t other :
+       graph_.near(id, options_.near_keyframes, [=](std::int64_t other) { return other >= first && other < end; }))
+    candidates.push_back({other, graph_.pose(other).inverse() * graph_.pose(id), true});
+  return candidates;
 }
 
 /// In the order of the candidates, for any number of threads.
@@ -34,7 +54,7 @@ std::vector<Constraint> ConstraintSearch::align_all(const std::vector<Candidate>
   std::vector<std::optional<Constraint>> aligned(candidates.size());
   const auto align_some = [&](int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      aligned[i] = align(candidates[i].id, id, candidates[i].other_from_id);
+      aligned[i] = align(candidates[i], id);
   };
   const auto count = static_cast<int>(candidates.size());
   if (count > 0) prepared(id);  // once, for all
@@ -58,19 +78,20 @@ std::shared_ptr<const ConstraintSearch::Prepared> ConstraintSearch::prepared(std
 }
 
 /// Constraint::from_from_to is other_from_id.
-std::optional<Constraint> ConstraintSearch::align(std::int64_t other, std::int64_t id, const Sim3& other_from_id) {
-  const ConstraintKind kind = kind_between(other, id);
+std::optional<Constraint> ConstraintSearch::align(const Candidate& candidate, std::int64_t id) {
+  const std::int64_t other = candidate.id;
   const auto of_other = prepared(other), of_id = prepared(id);
-  const SimilarityAlignment forward = align_to(*of_other, *of_id, other_from_id);
-  if (!fits(forward, kind) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
+  const SimilarityAlignment forward = align_to(*of_other, *of_id, candidate.other_from_id);
+  const double least_share = least_inlier_share(candidate, id, forward.b_from_a);
+  if (!fits(forward, least_share) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
   const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
-  if (!fits(backward, kind)) return std::nullopt;
+  if (!fits(backward, least_share)) return std::nullopt;
   const auto error = reciprocal_error(forward, backward);
   if (!error || *error > options_.max_reciprocal_error) return std::nullopt;
   const Matrix7d covariance = forward.information.inverse();
   Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
   of_motion += common_covariance(graph_.keyframe(id).mean_inverse_depth);
-  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind};
+  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind_between(other, id)};
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
   edge.inliers = forward.points;
   return edge;
@@ -93,10 +114,19 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
                           tracking.min_correlation) >= options_.trusted_alike;
 }
 
-/// Another house with windows like these lets most pixels fit too, but not nearly all.
-bool ConstraintSearch::fits(const SimilarityAlignment& alignment, ConstraintKind kind) const {
-  const double least = kind == ConstraintKind::proximity ? 0.0 : options_.loop_share;
-  return alignment.ok() && alignment.inlier_share >= least && alignment.information.determinant() > 0.0;
+/// Another house with windows like these lets most pixels fit too, but not nearly all. What is found where the map has
+/// it already is no other house.
+double ConstraintSearch::least_inlier_share(const Candidate& candidate, std::int64_t id, const Sim3& found) const {
+  constexpr double as_predicted = 0.05;
+  if (kind_between(candidate.id, id) == ConstraintKind::proximity) return 0.0;
+  const double mean_inverse_depth = graph_.keyframe(candidate.id).mean_inverse_depth;
+  const bool is_confirmed =
+      candidate.is_predicted && deviation(found, candidate.other_from_id, mean_inverse_depth) < as_predicted;
+  return is_confirmed ? 0.0 : options_.loop_share;
+}
+
+bool ConstraintSearch::fits(const SimilarityAlignment& alignment, double least_share) {
+  return alignment.ok() && alignment.inlier_share >= least_share && alignment.information.determinant() > 0.0;
 }
 
 ConstraintKind ConstraintSearch::kind_between(std::int64_t other, std::int64_t id) const {

@@ -26,6 +26,10 @@ class ConstraintSearch {
       : options_(options), sensor_(sensor), graph_(graph), pool_(pool) {}
 
   std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
+  /// With keyframes of earlier visits alone, where the map has them now.
+  std::vector<Constraint> find_revisited(std::int64_t id);
+  /// Keyframes between which nothing has drifted much: others are of an earlier visit.
+  static constexpr std::int64_t consecutive = 10;
 
  private:
   struct Prepared {
@@ -34,14 +38,17 @@ class ConstraintSearch {
   };
   struct Candidate {
     std::int64_t id;
-    Sim3 other_from_id;  ///< A guess.
+    Sim3 other_from_id;         ///< A guess.
+    bool is_predicted = false;  ///< By the poses of the map.
   };
+  std::vector<Candidate> near(std::int64_t id, std::int64_t first, std::int64_t end) const;
   std::vector<Constraint> align_all(const std::vector<Candidate>& candidates, std::int64_t id);
   std::shared_ptr<const Prepared> prepared(std::int64_t id);
-  std::optional<Constraint> align(std::int64_t other, std::int64_t id, const Sim3& other_from_id);
+  std::optional<Constraint> align(const Candidate& candidate, std::int64_t id);
   SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
   bool shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
-  bool fits(const SimilarityAlignment& alignment, ConstraintKind kind) const;
+  double least_inlier_share(const Candidate& candidate, std::int64_t id, const Sim3& found) const;
+  static bool fits(const SimilarityAlignment& alignment, double least_share);
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
 
   const LsdOptions& options_;

@@ -167,18 +167,29 @@ void LsdMapping::finish_keyframe(SlamUpdate& update) {
 }
 
 void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
-  const std::vector<Constraint> found = constraints_.find(id, words);
+  bool is_loop = add_constraints(constraints_.find(id, words), update);
+  // The corrected map tells where the keyframes before saw the place already.
+  for (std::int64_t before = id - 1; is_loop && before > id - ConstraintSearch::consecutive; --before)
+    is_loop = !graph_.closes_loop(before) && add_constraints(constraints_.find_revisited(before), update);
+}
+
+/// Whether one closes a loop or joins submaps.
+bool LsdMapping::add_constraints(const std::vector<Constraint>& found, SlamUpdate& update) {
+  bool is_loop = false;
   for (const Constraint& edge : found) {
-    if (graph_.submap(edge.from) != graph_.submap(id)) {
-      update.events.push_back({"joined", fmt::format("submaps {} and {} by keyframes {} and {}",
-                                                     graph_.submap(edge.from), graph_.submap(id), edge.from, id)});
+    is_loop |= edge.kind != ConstraintKind::proximity;
+    if (graph_.submap(edge.from) != graph_.submap(edge.to)) {
+      update.events.push_back(
+          {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
+                                 graph_.submap(edge.to), edge.from, edge.to)});
       graph_.merge(edge);
     }
     if (edge.kind == ConstraintKind::loop)
-      update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", id, edge.from)});
+      update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", edge.to, edge.from)});
     graph_.add_edge(edge);
   }
   if (!found.empty()) graph_.optimize();
+  return is_loop;
 }
 
 KeyframeDepths LsdMapping::restored_keyframe(std::int64_t id) const {

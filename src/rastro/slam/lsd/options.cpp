@@ -198,6 +198,13 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
        0,
        10,
        {}});
+  table.add({"max_depth_sigma",
+             &o.max_depth_sigma,
+             "",
+             "depths less certain than this share of themselves help to track but are left out of the map; 0: none is",
+             0,
+             100,
+             {}});
   table.add({"variance_growth",
              &o.variance_growth,
              "",
@@ -278,7 +285,13 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
 }
 
 void add_constraint_options(OptionTable& table, LsdOptions& o) {
-  table.add({"near_keyframes", &o.near_keyframes, "", "nearest keyframes that each is aligned with", 0, 100, {}});
+  table.add({"near_keyframes",
+             &o.near_keyframes,
+             "",
+             "nearest keyframes that each is aligned with: of the last ten, and of earlier visits",
+             0,
+             100,
+             {}});
   table.add({"similar_keyframes",
              &o.similar_keyframes,
              "",
@@ -309,15 +322,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
-  table.add(
-      {"loop_share",
-       &o.loop_share,
-       "",
-       "share of the compared pixels that must fit both ways for a loop closure or a merge of submaps; right ones "
-       "have 0.88 and more, houses alike up to 0.85",
-       0,
-       1,
-       {}});
+  table.add({"loop_share",
+             &o.loop_share,
+             "",
+             "share of the compared pixels that must fit both ways for a merge of submaps or a loop closure that moves "
+             "the map; "
+             "right ones have 0.88 and more, houses alike up to 0.85",
+             0,
+             1,
+             {}});
   table.add({"optimize_iterations", &o.optimize_iterations, "", "of the pose graph, per stage", 1, 1000, {}});
 }
 
@@ -339,6 +352,7 @@ void add_refinement_options(OptionTable& table, LsdOptions& o) {
 void set_paper_preset(LsdOptions& options) {
   options.start = "random";
   options.refine_iterations = 0;
+  options.max_depth_sigma = 0.0;
 }
 
 OptionTable option_table(LsdOptions& options) {

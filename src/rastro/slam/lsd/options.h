@@ -53,6 +53,7 @@ struct LsdOptions {
   double variance_growth = 1.01;
   double common_share = 0.7;
   double surface_share = 1.0;
+  double max_depth_sigma = 0.1;
 
   // Keyframes.
   double keyframe_distance = 0.25;
@@ -66,7 +67,7 @@ struct LsdOptions {
   int backend_direct_frames = 2;
 
   // Constraints.
-  int near_keyframes = 4;
+  int near_keyframes = 6;
   int similar_keyframes = 3;
   double max_reciprocal_error = 30.0;
   double min_constraint_overlap = 0.4;

@@ -2,6 +2,8 @@
 #include "rastro/slam/lsd/semi_dense_graph.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -13,17 +15,19 @@
 namespace rastro {
 namespace {
 
-/// Depths in the world's unit. `surface_share`: see the option.
+/// Depths in the world's unit.
 std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit,
-                                                 double surface_share) {
+                                                 const LsdOptions& options) {
   auto result = std::make_shared<SemiDenseDepth>();
   const auto factor = static_cast<float>(1.0 / world_per_unit);
+  const double most = options.max_depth_sigma > 0.0 ? options.max_depth_sigma : std::numeric_limits<double>::infinity();
+  const auto surface_share = static_cast<float>(options.surface_share);
   for (int y = 0; y < keyframe.depth.height(); ++y)
     for (int x = 0; x < keyframe.depth.width(); ++x) {
-      const float mean = factor * keyframe.depth.mean.at(x, y);
+      const float mean = factor * keyframe.depth.mean.at(x, y), own_variance = keyframe.depth.variance.at(x, y);
       if (!keyframe.depth.is_known(x, y) || !(mean > 0.0F)) continue;
-      const float variance =
-          keyframe.depth.variance.at(x, y) + static_cast<float>(surface_share) * surface_spread(keyframe.depth, x, y);
+      if (factor * std::sqrt(own_variance) > most * mean) continue;
+      const float variance = own_variance + surface_share * surface_spread(keyframe.depth, x, y);
       result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
                                 factor * factor * variance, keyframe.image.at(x, y)});
     }
@@ -209,7 +213,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor) con
     map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
-    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale(), options_.surface_share);
+    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale(), options_);
   }
   map->layers.put<SemiDenseLayer>(std::move(depths));
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));

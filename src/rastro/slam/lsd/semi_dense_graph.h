@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -76,6 +77,12 @@ class SemiDenseGraph {
   const Sim3& pose(std::int64_t id) const { return poses_[static_cast<std::size_t>(id)]; }  ///< world_from_keyframe
   int submap(std::int64_t id) const { return submaps_[static_cast<std::size_t>(id)]; }
   const std::vector<Constraint>& edges() const { return edges_; }
+  /// Whether it has a constraint with a keyframe of an earlier visit.
+  bool closes_loop(std::int64_t id) const {
+    return std::any_of(edges_.begin(), edges_.end(), [id](const Constraint& edge) {
+      return edge.to == id && edge.kind != ConstraintKind::proximity && edge.kind != ConstraintKind::odometry;
+    });
+  }
   int new_submap() const;
   /// Other keyframes of its submap, the nearest in position and viewing direction first, at most `most` of those whose
   /// views may overlap; `is_wanted` (if any) selects.

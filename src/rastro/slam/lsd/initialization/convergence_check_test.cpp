@@ -10,7 +10,7 @@ namespace rastro {
 namespace {
 
 /// Frames of the hall, and keyframes with its depths.
-class ConvergenceCheckTest : public testing::Test {
+class ConvergenceCheckTest : public ::testing::Test {
  protected:
   LsdFrame frame(int index) {
     LsdFrame made;
