@@ -181,7 +181,7 @@ PoseRefinement refine_pose(const SE3& camera_from_world, std::span<const PoseObs
   if (observations.size() < least) return result;
   SE3 pose = camera_from_world;
   Normal normal;
-  int inliers = 0;
+  int inliers = options.starts_judged ? problem.judge(pose) : 0;
   for (int round = 0; round < options.rounds; ++round) {
     if (!refine_round(problem, round < options.rounds - 2, options.iterations, pose, normal)) return result;
     inliers = problem.judge(pose);

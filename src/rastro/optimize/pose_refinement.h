@@ -23,9 +23,11 @@ struct PoseObservation {
 };
 
 struct PoseRefinementOptions {
-  double baseline = 0.0;       ///< Between left and right camera, in the unit of the points.
-  int rounds = 4;              ///< After each, outliers are classified again; the last two are plain least squares.
-  int iterations = 10;         ///< Maximum per round.
+  double baseline = 0.0;  ///< Between left and right camera, in the unit of the points.
+  int rounds = 4;         ///< After each, outliers are classified again; the last two are plain least squares.
+  int iterations = 10;    ///< Maximum per round.
+  /// The initial value is good: outliers are classified by it, before the first round.
+  bool starts_judged = false;
   double chi2_mono = 5.991;    ///< Squared sigmas beyond which an observation is an outlier...
   double chi2_stereo = 7.815;  ///< ... and where right_x is known.
 };

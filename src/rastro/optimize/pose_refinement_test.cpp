@@ -62,6 +62,23 @@ TEST(PoseRefinement, ConvergesFromAPerturbedStartDespiteOutliers) {
   }
 }
 
+/// Two groups that each fit a pose of their own: the initial value says which.
+TEST(PoseRefinement, OutliersOfAGoodStartStayOutliers) {
+  Random random(2);
+  std::vector<PoseObservation> seen = observations_of(ground_truth, random, 100, 0.5, 0.0);
+  const SE3 other = SE3::exp((Vector6d() << 0.6, 0.0, 0.0, 0.0, 0.0, 0.0).finished()) * ground_truth;
+  const auto moved = observations_of(other, random, 160, 0.5, 0.0);
+  seen.insert(seen.end(), moved.begin(), moved.end());
+  PoseRefinementOptions options = stereo_options();
+  const auto error = [&] {
+    return (refine_pose(ground_truth, seen, options).camera_from_world * ground_truth.inverse()).log().norm();
+  };
+  EXPECT_GT(error(), 0.3) << "the larger one";
+  options.starts_judged = true;
+  options.rounds = 2;
+  EXPECT_LT(error(), 0.02);
+}
+
 TEST(PoseRefinement, CovarianceIsConsistentWithThePoseError) {
   for (const double stereo_share : {0.0, 1.0}) {
     Random random(2);

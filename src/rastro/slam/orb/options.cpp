@@ -291,6 +291,29 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              0,
              1,
              {}});
+  table.add(
+      {"established_inliers",
+       &o.established_inliers,
+       "",
+       "where so many landmarks that three keyframes saw contradict the newer ones, the pose is theirs: what is new "
+       "moves",
+       10,
+       100000,
+       {}});
+  table.add({"established_share",
+             &o.established_share,
+             "",
+             "share of these landmarks that must fit one pose for that",
+             0,
+             1,
+             {}});
+  table.add({"established_contradiction",
+             &o.established_contradiction,
+             "",
+             "squared sigmas between both poses that are a contradiction",
+             10,
+             1e9,
+             {}});
   table.add({"pnp_iterations", &o.pnp_iterations, "", "RANSAC iterations of PnP, at most", 10, 100000, {}});
   table.add({"local_keyframes", &o.local_keyframes, "", "keyframes of the local map, at most", 2, 1000, {}});
   table.add({"local_landmarks", &o.local_landmarks, "", "landmarks of the local map, at most", 100, 1000000, {}});

@@ -65,6 +65,9 @@ struct OrbSlamOptions {
   double min_chance_ratio = 3.0;
   int weak_inliers = 150;
   double weak_share = 0.75;
+  int established_inliers = 50;
+  double established_share = 0.8;
+  double established_contradiction = 50.0;
   double max_acceleration = 15.0;
   int pnp_iterations = 200;
   int local_keyframes = 40;

@@ -103,7 +103,8 @@ const Eigen::Matrix3d* FrameTracker::covariance_of(std::int64_t landmark) const 
 }
 
 PoseRefinement FrameTracker::refine(const FeatureFrame& frame, const Search& search,
-                                    const std::vector<FeatureMatch>& matches, const SE3& start) const {
+                                    const std::vector<FeatureMatch>& matches, const SE3& start,
+                                    bool starts_judged) const {
   std::vector<PoseObservation> observations;
   observations.reserve(matches.size());
   for (const FeatureMatch& match : matches) {
@@ -115,7 +116,10 @@ PoseRefinement FrameTracker::refine(const FeatureFrame& frame, const Search& sea
     o.point_covariance = covariance_of(search.points[match.subject].landmark);
     observations.push_back(o);
   }
-  return refine_pose(start, observations, {.baseline = baseline_});
+  PoseRefinementOptions options{.baseline = baseline_};
+  options.starts_judged = starts_judged;
+  if (starts_judged) options.rounds = 2;
+  return refine_pose(start, observations, options);
 }
 
 /// Matches the points of the last frame, projected with a predicted pose.
@@ -197,7 +201,8 @@ TrackingResult FrameTracker::track_local_map(const FeatureFrame& frame, const SE
   add_depth_points(predicted, search);
   const auto matches =
       search.windows.match({.max_distance = options_.match_hamming, .max_ratio = options_.match_ratio});
-  const PoseRefinement refined = refine(frame, search, matches, predicted);
+  PoseRefinement refined = refine(frame, search, matches, predicted);
+  if (auto established = refine_by_established(frame, search, matches, refined)) refined = std::move(*established);
   result.matches = static_cast<int>(matches.size());
   result.inliers = refined.inliers;
   result.camera_from_world = refined.camera_from_world;

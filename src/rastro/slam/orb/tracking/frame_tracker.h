@@ -110,7 +110,11 @@ class FrameTracker {
   /// Of a landmark's position; null: certain.
   const Eigen::Matrix3d* covariance_of(std::int64_t landmark) const;
   PoseRefinement refine(const FeatureFrame& frame, const Search& search, const std::vector<FeatureMatch>& matches,
-                        const SE3& start) const;
+                        const SE3& start, bool starts_judged = false) const;
+  bool is_established(const TrackedPoint& point) const;
+  std::optional<PoseRefinement> refine_by_established(const FeatureFrame& frame, const Search& search,
+                                                      const std::vector<FeatureMatch>& matches,
+                                                      const PoseRefinement& by_all) const;
   int supporting(const SE3& camera_from_world, const std::vector<TrackedPoint>& points) const;
   std::int64_t reference_of(const std::vector<TrackedPoint>& points) const;
   bool exceeds_chance(const FeatureFrame& frame, TrackingResult& result);
