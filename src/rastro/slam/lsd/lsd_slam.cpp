@@ -16,6 +16,7 @@
 #include "rastro/slam/lsd/lsd_relocalization.h"
 #include "rastro/slam/lsd/lsd_start.h"
 #include "rastro/slam/lsd/pose_search.h"
+#include "rastro/slam/motion_check.h"
 
 namespace rastro {
 class LsdSlam::State {
@@ -52,6 +53,7 @@ class LsdSlam::State {
   std::int64_t number_ = 0;  ///< Of the frame, counting all.
   LsdPipeline mapping_;
   LsdRelocalization relocalization_;
+  MotionCheck motion_check_;
   SE3 last_pose_;  ///< world_from_camera
 };
 
@@ -65,7 +67,8 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
       search_(options_, sensor_.camera),
       mapping_(options_, sensor_, frames_, context),
       relocalization_(options_, mapping_.settled().graph(),
-                      [this](std::int64_t id) { return mapping_.settled().restored_keyframe(id).current(); }) {}
+                      [this](std::int64_t id) { return mapping_.settled().restored_keyframe(id).current(); }),
+      motion_check_(sensor.is_metric() ? options.max_acceleration : 0.0) {}
 
 /// One frame, as in figure 3 of Engel et al. 2014: tracked on the newest keyframe, it refines this one's depths or
 /// becomes the next keyframe, which is connected with those around it; both beside the tracking of the next frames.
@@ -86,6 +89,7 @@ SlamUpdate LsdSlam::State::process(const Frame& frame) {
     else
       start(*undistorted_frame, update);
   }
+  motion_check_.check(update);
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();

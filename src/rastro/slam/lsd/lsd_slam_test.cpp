@@ -69,6 +69,25 @@ TEST(LsdSlam, APairGivesPosesInMetersWithTheirCovariance) {
   for (const Constraint& constraint : map->constraints) EXPECT_NEAR(constraint.from_from_to.scale(), 1.0, 1e-12);
 }
 
+/// Frames left out, and stamps that do not say so.
+TEST(LsdSlam, AStepThatHardlyAnyCameraMakesIsWeak) {
+  WalkWithPair walk;
+  const auto state_after_step = [&](double max_acceleration) {
+    LsdOptions options;
+    options.max_acceleration = max_acceleration;
+    LsdSlam slam(options, walk.sensor(), {});
+    for (int k = 0; k < 4; ++k) walk.process(slam, k);
+    Frame far = walk.frame(7);
+    far.index = 4;
+    far.stamp = walk.frame(4).stamp;
+    return slam.process(far);
+  };
+  const SlamUpdate checked = state_after_step(LsdOptions().max_acceleration);
+  EXPECT_EQ(checked.state, SlamState::weak);
+  EXPECT_EQ(checked.reason, SlamReason::implausible_motion);
+  EXPECT_EQ(state_after_step(0.0).state, SlamState::tracking);
+}
+
 /// Mapping beside tracking, or after it: its results are handed over at the same frames.
 TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   WalkWithPair walk;

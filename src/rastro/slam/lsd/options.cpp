@@ -97,6 +97,14 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
        1,
        {}});
   table.add(
+      {"max_acceleration",
+       &o.max_acceleration,
+       "m/s^2",
+       "a pose that only a larger acceleration explains is weak, unless one camera gives no meters; 0: not checked",
+       0,
+       1e6,
+       {}});
+  table.add(
       {"trusted_regions",
        &o.trusted_regions,
        "",

@@ -36,6 +36,7 @@ struct LsdOptions {
 
   // What a pose is believed by.
   double trusted_alike = 0.5;
+  double max_acceleration = 15.0;
   double trusted_regions = 0.75;
   double trusted_sigma = 0.03;
   double max_gain = 5.0;
