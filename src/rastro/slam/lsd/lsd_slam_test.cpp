@@ -113,9 +113,7 @@ TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
 TEST(LsdSlam, EarlierKeyframesGoOnWhereTheCameraComesBack) {
   constexpr int turn = 24, visits = 3;
   WalkWithPair walk;
-  LsdOptions options;
-  options.max_acceleration = 0.0;  // It turns from one frame to the next.
-  LsdSlam slam(options, walk.sensor(), {});
+  LsdSlam slam({}, walk.sensor(), {});
   std::vector<Frame> seen;
   for (int k = 0; k < turn; ++k) seen.push_back(walk.frame(k));
   std::size_t first_visit = 0;
@@ -128,7 +126,9 @@ TEST(LsdSlam, EarlierKeyframesGoOnWhereTheCameraComesBack) {
     // The turn shows the same image twice, which is told as a repeated one.
     if (k > 0 && (k % turn) == 0) continue;
     const SlamUpdate update = slam.process(frame);
-    ASSERT_EQ(update.state, SlamState::tracking) << k << ' ' << update.detail;
+    // From one frame to the next it walks the other way, which is told as well.
+    const bool turned = k > turn && k % turn == 1 && update.reason == SlamReason::implausible_motion;
+    ASSERT_EQ(update.state, turned ? SlamState::weak : SlamState::tracking) << k << ' ' << update.detail;
     EXPECT_LT((update.world_from_body.translation() - walk.first_from_camera(there).translation()).norm(), 0.03) << k;
     returned += static_cast<int>(std::count_if(update.events.begin(), update.events.end(),
                                                [](const SlamEvent& event) { return event.kind == "returned"; }));

@@ -334,8 +334,7 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              &o.loop_share,
              "",
              "share of the compared pixels that must fit both ways for a merge of submaps or a loop closure that moves "
-             "the map; "
-             "right ones have 0.88 and more, houses alike up to 0.85",
+             "the map; right ones have 0.88 and more, houses alike up to 0.85",
              0,
              1,
              {}});
