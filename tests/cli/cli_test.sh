@@ -451,6 +451,10 @@ compare() {
   said '2 of 2 runs have results'
   refused "did you mean 'features'" compare "$hall" --methods featurs --out "$out"
   run 0 simulate corridor --frames 5 --out "$out/corridor"
+  run 0 compare "$out/corridor" --methods hector --out "$out/mapped"
+  local page
+  page=$(grep -o 'href="maps/[^"]*"' "$out/mapped/report.html" | cut -d'"' -f2)
+  grep -q '<script' "$out/mapped/$page" || fail "the report links to no page of the map"
   refused 'allows none of the methods' compare "$out/corridor" --paper --out "$out/paper"
   refused 'allows none of the methods' compare "$out/corridor" --methods lsd --out "$out/lsd"
   refused "did you mean 'hall'" compare hal --methods all --out "$out"

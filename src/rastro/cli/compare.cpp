@@ -13,6 +13,7 @@
 #include "rastro/cli/compare/compare_session.h"
 #include "rastro/cli/compare/imports.h"
 #include "rastro/cli/compare/map_figures.h"
+#include "rastro/cli/compare/map_pages.h"
 #include "rastro/cli/compare/paper_front_end.h"
 #include "rastro/cli/compare/paper_tables.h"
 #include "rastro/cli/compare/report_html.h"
@@ -38,7 +39,7 @@ without, or its error doubles.
 
 Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
 where it was. Results of another program, or of other flags, are run again. --out gets report.html, a page that needs no network, report.md,
-report.tex (booktabs) and report.csv, a line for each value with its command.
+report.tex (booktabs) and report.csv, a line for each value with its command, and maps/, a page with the map of each method in 3D.
 
 Examples:
   rastro compare bedroom --methods all --out compared
@@ -126,6 +127,7 @@ BenchmarkTools tools_of(const Flags& flags) {
 
 void write_reports(const Comparison& comparison, const std::filesystem::path& out) {
   const Report report = report_of(comparison);
+  write_map_pages(report, out);
   write_whole_file(out / "report.html", report_as_html(report, out));
   write_whole_file(out / "report.md", report_as_markdown(report));
   write_whole_file(out / "report.tex", report_as_latex(report));

@@ -11,6 +11,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/cli/compare/map_pages.h"
 #include "rastro/cli/compare/strengths.h"
 #include "rastro/cli/compare/svg_chart.h"
 #include "rastro/export/thumbnail.h"
@@ -70,6 +71,10 @@ Trajectory matched_part(const RunTrace& trace) {
 std::string figure_with(const std::string& image, const std::string& caption) {
   return fmt::format(R"(<figure class="picture"><img src="{}" alt=""><figcaption>{}</figcaption></figure>)", image,
                      caption);
+}
+
+std::string link_to(const fs::path& target, const fs::path& folder, const std::string& text) {
+  return fmt::format("<a href=\"{}\">{}</a>", escaped(fs::proximate(target, folder).generic_string()), text);
 }
 
 /// The frame as the run saw it; empty where it cannot be read again.
@@ -146,16 +151,23 @@ std::string strength_charts_of(const Comparison& comparison) {
   return html + "</div>\n";
 }
 
+std::vector<PicturedRun> pictured_runs(const Report& report, std::size_t input) {
+  std::vector<PicturedRun> pictured;
+  for (const ColumnTrace* each : median_traces(report.traces, report.comparison.table.columns(), input))
+    if (const FinishedRun* run = run_of(report.comparison, *each)) pictured.push_back({each->column, run});
+  return pictured;
+}
+
 std::string maps_of(const Report& report, std::size_t input, const fs::path& folder) {
   std::string html;
-  for (const ColumnTrace* each : median_traces(report.traces, report.comparison.table.columns(), input)) {
-    const FinishedRun* run = run_of(report.comparison, *each);
-    if (run == nullptr) continue;
+  for (const auto& [column, run] : pictured_runs(report, input)) {
     const std::string image = thumbnail_of((run->folder / "map.png").string(), map_px);
     if (image.empty()) continue;
-    const std::string link = fs::proximate(run->folder, folder).generic_string();
-    html += figure_with(image, fmt::format("{}: <a href=\"{}/\">run folder</a>, <code>rastro view {}</code>",
-                                           escaped(each->column), escaped(link), escaped(run->folder.string())));
+    std::string caption = escaped(column) + ": ";
+    const fs::path page = map_page_of(*run, folder);
+    if (fs::exists(page)) caption += link_to(page, folder, "map in 3D") + ", ";
+    caption += link_to(run->folder, folder, "run folder");
+    html += figure_with(image, caption + fmt::format(", <code>rastro view {}</code>", escaped(run->folder.string())));
   }
   return html.empty() ? "" : "<div class=\"pictures\">" + html + "</div>\n";
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "rastro/cli/compare/report_tables.h"
 
@@ -14,7 +15,14 @@ std::string charts_of(const Report& report, std::size_t input);
 /// How error and completion change with the strength of each disturbance, per input.
 std::string strength_charts_of(const Comparison& comparison);
 
-/// The map of each method on the input, with links to its run folder and the command that shows it.
+/// Of one method on an input the run with the median error.
+struct PicturedRun {
+  std::string column;
+  const FinishedRun* run;
+};
+std::vector<PicturedRun> pictured_runs(const Report& report, std::size_t input);
+
+/// Of each of these runs its map, with links to its page (see write_map_pages) and folder.
 std::string maps_of(const Report& report, std::size_t input, const std::filesystem::path& folder);
 
 /// Where tracking was first lost, with the image of that frame and the reason that the run gives; and runs that failed.
