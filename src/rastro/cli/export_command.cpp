@@ -234,71 +234,87 @@ void run_export(Flags& flags) {
   report(flags, facts);
 }
 
-}  // namespace
-
-void add_export_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("export", "Exports a map or its trajectory to other formats");
-  const auto flags = std::make_shared<Flags>();
-  command->add_option("RUN", flags->input, "Run folder or map file")->required()->type_name("");
+void add_output_flags(CLI::App& command, Flags& flags) {
+  command.add_option("RUN", flags.input, "Run folder or map file")->required()->type_name("");
   command
-      ->add_option(
-          "--to", flags->settings.to,
+      .add_option(
+          "--to", flags.settings.to,
           "html, mcap, ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
           "depth-images, depth-video, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
   command
-      ->add_option(
-          "--out", flags->settings.out,
+      .add_option(
+          "--out", flags.settings.out,
           "Output file; colmap, word-images, depth-images: folder (default: none; html, mcap: NAME.html, NAME.mcap)")
       ->type_name("FILE");
+}
+
+void add_surface_flags(CLI::App& command, Flags& flags) {
   command
-      ->add_option("--voxel", flags->settings.voxel_m,
-                   "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02; of a stereo pair in proportion to "
-                   "its depth)")
+      .add_option("--voxel", flags.settings.voxel_m,
+                  "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02; of a stereo pair in proportion to "
+                  "its depth)")
       ->type_name("M");
   command
-      ->add_option("--min-count", flags->settings.cloud.min_count,
-                   "Omit points with fewer measurements (ply, pcd of rgbd; default: 3), landmarks with fewer "
-                   "observations (orb; default: 0)")
+      .add_option("--min-count", flags.settings.cloud.min_count,
+                  "Omit points with fewer measurements (ply, pcd of rgbd; default: 3), landmarks with fewer "
+                  "observations (orb; default: 0)")
       ->type_name("N");
   command
-      ->add_option("--resolution", flags->settings.octree.resolution_m,
-                   "octomap, pgm: cell size in meters (default: 0.05)")
+      .add_option("--resolution", flags.settings.octree.resolution_m,
+                  "octomap, pgm: cell size in meters (default: 0.05)")
       ->type_name("M");
-  command->add_option("--height", flags->height, "pgm: heights above the floor in meters (default: 0.1:1.8)")
+  command.add_option("--height", flags.height, "pgm: heights above the floor in meters (default: 0.1:1.8)")
       ->type_name("A:B");
   command
-      ->add_option("--max-depth", flags->settings.max_depth_m,
-                   "Maximum depth in meters (rgbd; default: 5; of a stereo pair as far as sigma is below 3 % of the "
-                   "depth; orb: no limit)")
+      .add_option("--max-depth", flags.settings.max_depth_m,
+                  "Maximum depth in meters (rgbd; default: 5; of a stereo pair as far as sigma is below 3 % of the "
+                  "depth; orb: no limit)")
       ->type_name("M");
   command
-      ->add_option("--stride", flags->stride,
-                   "Use every N-th pixel and row (default: 2; octomap, pgm: 4; mesh: always 1)")
+      .add_option("--stride", flags.stride,
+                  "Use every N-th pixel and row (default: 2; octomap, pgm: 4; mesh: always 1)")
       ->type_name("N");
+}
+
+void add_page_flags(CLI::App& command, Flags& flags) {
   command
-      ->add_option("--points", flags->settings.scene.points,
-                   "html, mcap: maximum number of points of each layer (default: 300000; mcap: 1000000)")
+      .add_option("--points", flags.settings.scene.points,
+                  "html, mcap: maximum number of points of each layer (default: 300000; mcap: 1000000)")
       ->type_name("N");
-  command->add_flag("--mesh", flags->settings.scene.mesh, "html of rgbd: show surfaces as triangles, too");
-  command->add_flag("--octree", flags->settings.scene.octree, "html of rgbd: show occupied space as cubes, too");
+  command.add_flag("--mesh", flags.settings.scene.mesh, "html of rgbd: show surfaces as triangles, too");
+  command.add_flag("--octree", flags.settings.scene.octree, "html of rgbd: show occupied space as cubes, too");
   command
-      ->add_option("--objects", flags->settings.scene.objects,
-                   "html of rgbd: lengths to measure and show, as of 'rastro measure'")
+      .add_option("--objects", flags.settings.scene.objects,
+                  "html of rgbd: lengths to measure and show, as of 'rastro measure'")
       ->type_name("FILE");
+}
+
+void add_other_flags(CLI::App& command, Flags& flags) {
   command
-      ->add_option("--images", flags->settings.images,
-                   "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
+      .add_option("--images", flags.settings.images,
+                  "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
       ->type_name("DATA");
-  command->add_option("--submap", flags->submap, "Submap (default: 0, the first)")->type_name("N|all");
-  command->add_flag("--upright", flags->settings.upright,
-                    "ply, pcd, mesh, octomap: level the map, z up, origin on the floor");
+  command.add_option("--submap", flags.submap, "Submap (default: 0, the first)")->type_name("N|all");
+  command.add_flag("--upright", flags.settings.upright,
+                   "ply, pcd, mesh, octomap: level the map, z up, origin on the floor");
   command
-      ->add_option("--threads", flags->threads, "Number of threads; the bytes do not depend on it (default: all cores)")
+      .add_option("--threads", flags.threads, "Number of threads; the bytes do not depend on it (default: all cores)")
       ->type_name("N");
-  command->add_flag("--json", flags->json, "Print the result as JSON");
-  command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
+  command.add_flag("--json", flags.json, "Print the result as JSON");
+  command.add_flag("--quiet", flags.quiet, "Print errors and warnings only");
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("export", "Exports a map or its trajectory to other formats");
+  const auto flags = std::make_shared<Flags>();
+  add_output_flags(*command, *flags);
+  add_surface_flags(*command, *flags);
+  add_page_flags(*command, *flags);
+  add_other_flags(*command, *flags);
   command->footer(footer);
   command->callback([command, flags, &context] {
     for (const char* flag : {"--voxel", "--min-count", "--resolution", "--height", "--max-depth", "--stride",

@@ -178,6 +178,9 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
              2,
              1000,
              {}});
+}
+
+void add_drift_options(OptionTable& table, RgbdSlamOptions& o) {
   table.add({"loop_steps",
              &o.loop_steps,
              "",
@@ -217,6 +220,9 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
              0,
              1e6,
              {}});
+}
+
+void add_pace_options(OptionTable& table, RgbdSlamOptions& o) {
   table.add(
       {"optimize_iterations", &o.optimize_iterations, "", "iterations of each optimization, at most", 1, 1000, {}});
   table.add({"backend_delay_frames",
@@ -286,6 +292,8 @@ OptionTable option_table(RgbdSlamOptions& options) {
   add_matching_options(table, options);
   add_agreement_options(table, options);
   add_graph_options(table, options);
+  add_drift_options(table, options);
+  add_pace_options(table, options);
   add_loss_options(table, options);
   const OptionTable follow = option_table(options.follow);
   for (const Option& option : follow.options()) table.add(option);

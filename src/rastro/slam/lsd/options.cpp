@@ -120,6 +120,9 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+}
+
+void add_loss_options(OptionTable& table, LsdOptions& o) {
   table.add({"max_gain",
              &o.max_gain,
              "",
@@ -190,6 +193,9 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+}
+
+void add_variance_options(OptionTable& table, LsdOptions& o) {
   table.add({"common_share",
              &o.common_share,
              "",
@@ -261,6 +267,9 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
        0,
        100,
        {}});
+}
+
+void add_mapping_options(OptionTable& table, LsdOptions& o) {
   table.add(
       {"return_share",
        &o.return_share,
@@ -369,8 +378,11 @@ OptionTable option_table(LsdOptions& options) {
   add_start_options(table, options);
   add_tracking_options(table, options);
   add_belief_options(table, options);
+  add_loss_options(table, options);
   add_depth_options(table, options);
+  add_variance_options(table, options);
   add_keyframe_options(table, options);
+  add_mapping_options(table, options);
   add_constraint_options(table, options);
   add_refinement_options(table, options);
   add_options(table, options.frame_check);

@@ -132,6 +132,9 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
              0.1,
              1,
              {}});
+}
+
+void add_relocalization_options(OptionTable& table, OrbSlamOptions& o) {
   table.add(
       {"relocalize_matches", &o.relocalize_matches, "", "matches that a relocalization candidate needs", 4, 10000, {}});
   table.add({"relocalize_search_px",

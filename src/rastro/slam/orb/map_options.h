@@ -11,6 +11,7 @@ void add_mapping_options(OptionTable& table, OrbSlamOptions& o);
 void add_adjustment_options(OptionTable& table, OrbSlamOptions& o);
 void add_loss_options(OptionTable& table, OrbSlamOptions& o);
 void add_place_options(OptionTable& table, OrbSlamOptions& o);
+void add_relocalization_options(OptionTable& table, OrbSlamOptions& o);
 void add_loop_options(OptionTable& table, OrbSlamOptions& o);
 void add_loop_drift_options(OptionTable& table, OrbSlamOptions& o);
 void add_covariance_options(OptionTable& table, OrbSlamOptions& o);

@@ -209,7 +209,7 @@ void add_frontend_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"tracks_kept", &o.tracks_kept, "", "newest tracks whose landmarks are kept", 100, 100000000, {}});
 }
 
-void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
+void add_search_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"search_px",
              &o.search_px,
              "px",
@@ -235,6 +235,9 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              5,
              180,
              {}});
+}
+
+void add_verdict_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"min_guess_inliers",
              &o.min_guess_inliers,
              "",
@@ -291,6 +294,9 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              0,
              1,
              {}});
+}
+
+void add_established_options(OptionTable& table, OrbSlamOptions& o) {
   table.add(
       {"established_inliers",
        &o.established_inliers,
@@ -314,6 +320,9 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              10,
              1e9,
              {}});
+}
+
+void add_local_map_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"pnp_iterations", &o.pnp_iterations, "", "RANSAC iterations of PnP, at most", 10, 100000, {}});
   table.add({"local_keyframes", &o.local_keyframes, "", "keyframes of the local map, at most", 2, 1000, {}});
   table.add({"local_landmarks", &o.local_landmarks, "", "landmarks of the local map, at most", 100, 1000000, {}});
@@ -376,12 +385,16 @@ OptionTable option_table(OrbSlamOptions& options) {
   add_start_options(table, options);
   add_start_trial_options(table, options);
   add_frontend_options(table, options);
-  add_tracking_options(table, options);
+  add_search_options(table, options);
+  add_verdict_options(table, options);
+  add_established_options(table, options);
+  add_local_map_options(table, options);
   add_keyframe_options(table, options);
   add_mapping_options(table, options);
   add_adjustment_options(table, options);
   add_loss_options(table, options);
   add_place_options(table, options);
+  add_relocalization_options(table, options);
   add_loop_options(table, options);
   add_loop_drift_options(table, options);
   add_covariance_options(table, options);
