@@ -127,7 +127,8 @@ BenchmarkTools tools_of(const Flags& flags) {
 
 void write_reports(const Comparison& comparison, const std::filesystem::path& out) {
   const Report report = report_of(comparison);
-  write_map_pages(report, out);
+  const bool is_complete = comparison.runs.size() == comparison.planned;
+  if (is_complete) write_map_pages(report, out);
   write_whole_file(out / "report.html", report_as_html(report, out));
   write_whole_file(out / "report.md", report_as_markdown(report));
   write_whole_file(out / "report.tex", report_as_latex(report));

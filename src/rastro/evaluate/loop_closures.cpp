@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
-#include <set>
 
 #include "rastro/base/error.h"
 #include "rastro/math/alignment.h"
@@ -117,7 +117,7 @@ class Scoring {
         continue;
       }
       closed_.push_back(link->stamp);
-      closing_keyframes_.insert(link->stamp == to.stamp ? to.id : from.id);
+      closing_.emplace(link->stamp == to.stamp ? to.id : from.id, *link);
     }
   }
 
@@ -128,9 +128,19 @@ class Scoring {
       if (frame.stamp <= keyframe.stamp) continue;
       const Link link{frame.stamp, keyframe.stamp, of_body(keyframe, frame.keyframe_from_camera)};
       const bool is_of_earlier_visit = to_seconds(link.stamp - link.earlier_stamp) >= limits_.gap_s;
-      if ((is_of_earlier_visit || closing_keyframes_.count(keyframe.id) > 0) && is_right(link).value_or(false))
+      if (is_of_earlier_visit ? is_right(link).value_or(false) : is_closed_by(keyframe.id, link))
         closed_.push_back(frame.stamp);
     }
+  }
+
+  /// Rightly all the way: from the earlier visit to the keyframe, and from there to the frame.
+  bool is_closed_by(KeyframeId keyframe, const Link& to_frame) const {
+    const auto [first, last] = closing_.equal_range(keyframe);
+    return std::any_of(first, last, [&](const auto& each) {
+      const Link& closing = each.second;
+      return is_right({to_frame.stamp, closing.earlier_stamp, closing.earlier_from_later * to_frame.earlier_from_later})
+          .value_or(false);
+    });
   }
 
   bool is_closed(TimeNs stamp) const {
@@ -146,7 +156,7 @@ class Scoring {
   double meters_per_unit_;
   LoopClosureScores scores_;
   std::vector<TimeNs> closed_;
-  std::set<std::int64_t> closing_keyframes_;
+  std::multimap<KeyframeId, Link> closing_;  ///< Right ones, by the later keyframe.
 };
 
 }  // namespace

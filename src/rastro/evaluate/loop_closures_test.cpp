@@ -117,6 +117,16 @@ TEST(LoopClosureScores, AFrameInAKeyframeThatClosesALoopIsFound) {
   EXPECT_EQ(test.score().found, 0);
 }
 
+TEST(LoopClosureScores, ErrorsOfTheLoopAndOfTheFrameAddUp) {
+  for (const bool same_way : {true, false}) {
+    Case test;
+    test.close(0, 4, 0.3);
+    test.revisits = {{from_seconds(45.0), from_seconds(5.0)}};
+    test.map.frames.push_back({from_seconds(45.0), 4, SE3(SO3(), {same_way ? 0.8 : 0.2, 0, 0})});  // Half a meter.
+    EXPECT_EQ(test.score().found, same_way ? 0 : 1);
+  }
+}
+
 TEST(LoopClosureScores, WithoutGroundTruthNothingIsJudged) {
   Case test;
   test.close(0, 4, 0.0);

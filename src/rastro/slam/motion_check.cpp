@@ -13,21 +13,26 @@ namespace {
 
 constexpr double longest_interval_s = 0.5;
 
-/// The map was corrected under the camera: a step of its pose is no motion.
-bool corrects_map(const SlamUpdate& update) {
-  return std::any_of(update.events.begin(), update.events.end(), [](const SlamEvent& event) {
+}  // namespace
+
+bool corrects_map(const std::vector<SlamEvent>& events) {
+  return std::any_of(events.begin(), events.end(), [](const SlamEvent& event) {
     return event.kind == "loop_closed" || event.kind == "joined" || event.kind == "map_revised";
   });
 }
 
-}  // namespace
+void MotionCheck::follow(const SE3& new_from_old) {
+  if (!last_) return;
+  last_->position = new_from_old * last_->position;
+  if (last_->velocity) last_->velocity = new_from_old.rotation() * *last_->velocity;
+}
 
 void MotionCheck::check(SlamUpdate& update) {
   const bool follows = update.state == SlamState::tracking || update.state == SlamState::weak;
   if (!follows && update.state != SlamState::relocalized) return last_.reset();
   const Eigen::Vector3d position = update.world_from_body.translation();
   const std::optional<Last> before = std::exchange(last_, Last{update.stamp, position, {}});
-  if (!follows || !before || corrects_map(update)) return;
+  if (!follows || !before) return;
   const double interval = to_seconds(update.stamp - before->stamp);
   if (!(interval > 0.0) || interval > longest_interval_s) return;
   const Eigen::Vector3d velocity = (position - before->position) / interval;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "rastro/slam/slam.h"
 
@@ -16,8 +17,13 @@ class MotionCheck {
   explicit MotionCheck(double max_acceleration) : max_acceleration_(max_acceleration) {}
 
   /// With every update in turn, in meters. One that contradicts the two before it becomes weak, for
-  /// SlamReason::implausible_motion. After a loss, a gap or a correction of the map, the history begins anew.
+  /// SlamReason::implausible_motion. After a loss or a gap the history begins anew.
   void check(SlamUpdate& update);
+  /// Before an update whose map was corrected under the camera, by an unknown step: the history begins anew.
+  void forget() { last_.reset(); }
+  /// Before an update whose map was corrected under the camera, where poses of before are new_from_old times what they
+  /// were: the step is no motion.
+  void follow(const SE3& new_from_old);
 
  private:
   struct Last {
@@ -28,5 +34,8 @@ class MotionCheck {
   double max_acceleration_;
   std::optional<Last> last_;
 };
+
+/// Whether one of these corrected the map under the camera.
+bool corrects_map(const std::vector<SlamEvent>& events);
 
 }  // namespace rastro

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 namespace rastro {
@@ -20,6 +21,7 @@ SlamUpdate update_at(std::int64_t index, double x, SlamState state = SlamState::
 }
 
 SlamUpdate checked(MotionCheck& check, SlamUpdate update) {
+  if (corrects_map(update.events)) check.forget();
   check.check(update);
   return update;
 }
@@ -86,6 +88,21 @@ TEST(MotionCheck, BeginsAnewAfterALossAGapAndACorrectionOfTheMap) {
     EXPECT_EQ(checked(check, corrected).state, counts ? SlamState::weak : SlamState::tracking) << kind;
     EXPECT_EQ(checked(check, update_at(4, 1.0)).state, counts ? SlamState::weak : SlamState::tracking) << kind;
   }
+}
+
+/// By half a turn to the left: what went ahead goes back.
+TEST(MotionCheck, AKnownCorrectionOfTheMapIsNoMotion) {
+  const SE3 correction(SO3::exp({0.0, 0.0, M_PI}), {3.0, 0.0, 0.0});
+  for (const bool is_known : {true, false}) {
+    MotionCheck check(15.0);
+    for (int i = 0; i < 3; ++i) checked(check, update_at(i, 0.1 * i));
+    if (is_known) check.follow(correction);
+    EXPECT_EQ(checked(check, update_at(3, 3.0 - 0.3)).state, is_known ? SlamState::tracking : SlamState::weak);
+  }
+  MotionCheck check(15.0);
+  for (int i = 0; i < 3; ++i) checked(check, update_at(i, 0.1 * i));
+  check.follow(correction);
+  EXPECT_EQ(checked(check, update_at(3, 3.0 - 0.35)).state, SlamState::weak) << "a jump in the same frame shows";
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
   update.times.push_back({"wait", stage.lap_ms()});
   update.world_from_body = last_pose_;
   follow(frame, update);
+  if (corrects_map(update.events)) following_.motion_check.forget();
   following_.motion_check.check(update);
   last_pose_ = update.world_from_body;
   keep_safe(has_grown);

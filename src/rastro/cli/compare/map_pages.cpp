@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/compare/map_pages.h"
 
-#include "rastro/base/error.h"
+#include <fmt/format.h>
+
+#include <exception>
+
 #include "rastro/base/log.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/compare/report_pictures.h"
@@ -17,10 +20,15 @@ void write_page(const fs::path& run, const fs::path& page, TaskPool& pool) {
   ExportSettings settings;
   settings.out = page.string();
   settings.scene.points = most_points;
+  std::error_code ignored;
+  fs::remove(page, ignored);  // of an earlier comparison
+  if (!fs::exists(run / "map.rastro", ignored)) return;
+  // Whatever is wrong with one map, the report is written.
   try {
     export_html({settings, read_export_input(run.string()), pool, {}});
-  } catch (const Error& error) {
-    log_warning(error.what());
+  } catch (const std::exception& error) {
+    fs::remove(page, ignored);
+    log_warning(fmt::format("no page of the map in {}: {}", run.string(), error.what()));
   }
 }
 
@@ -34,8 +42,7 @@ void write_map_pages(const Report& report, const fs::path& out) {
   TaskPool pool(0);
   for (std::size_t input = 0; input < report.comparison.inputs.size(); ++input)
     for (const PicturedRun& pictured : pictured_runs(report, input))
-      if (fs::exists(pictured.run->folder / "map.rastro"))
-        write_page(pictured.run->folder, map_page_of(*pictured.run, out), pool);
+      write_page(pictured.run->folder, map_page_of(*pictured.run, out), pool);
 }
 
 }  // namespace rastro::cli

@@ -17,35 +17,46 @@ double deviation(const Sim3& found, const Sim3& expected, double mean_inverse_de
   return std::max({moved.head<3>().norm() * mean_inverse_depth, moved.segment<3>(3).norm(), std::abs(moved(6))});
 }
 
+bool is_in(const std::vector<std::int64_t>& sorted, std::int64_t id) {
+  return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
 }  // namespace
 
 std::vector<Constraint> ConstraintSearch::find(std::int64_t id, const BagOfWords& words) {
-  std::vector<Candidate> candidates = near(id, id - consecutive, id);
+  const std::vector<std::int64_t> recent = graph_.within_steps(id, consecutive);
+  std::vector<Candidate> candidates = near(id, [&](std::int64_t other) { return is_in(recent, other); });
   // Apart, or the recent ones, always nearest, would leave no room for them.
-  const std::vector<Candidate> revisited = near(id, 0, id - consecutive);
-  candidates.insert(candidates.end(), revisited.begin(), revisited.end());
+  const std::vector<Candidate> earlier = revisited(id, recent);
+  candidates.insert(candidates.end(), earlier.begin(), earlier.end());
   const auto is_elsewhere = [&](std::int64_t other) {
-    return std::abs(other - id) > consecutive &&
-           std::none_of(candidates.begin(), candidates.end(),
-                        [&](const Candidate& known) { return known.id == other; });
+    return !is_in(recent, other) && std::none_of(candidates.begin(), candidates.end(),
+                                                 [&](const Candidate& known) { return known.id == other; });
   };
   // Where drift or another submap says nothing of the relative pose, what looks alike is seen from nearby.
   const std::vector<std::int64_t> alike = graph_.similar(words, options_.similar_keyframes, is_elsewhere);
-  for (const std::int64_t other : alike) candidates.push_back({other, Sim3(), false});
+  for (const std::int64_t other : alike) candidates.push_back({other, Sim3(), kind_beyond(other, id)});
   return align_all(candidates, id);
 }
 
 std::vector<Constraint> ConstraintSearch::find_revisited(std::int64_t id) {
-  return align_all(near(id, 0, id - consecutive), id);
+  std::vector<Candidate> candidates = revisited(id, graph_.within_steps(id, consecutive));
+  for (Candidate& candidate : candidates) candidate.is_predicted = false;
+  return align_all(candidates, id);
 }
 
-/// Of the keyframes from `first` to before `end`.
-std::vector<ConstraintSearch::Candidate> ConstraintSearch::near(std::int64_t id, std::int64_t first,
-                                                                std::int64_t end) const {
+std::vector<ConstraintSearch::Candidate> ConstraintSearch::revisited(std::int64_t id,
+                                                                     const std::vector<std::int64_t>& recent) const {
+  std::vector<Candidate> candidates = near(id, [&](std::int64_t other) { return other < id && !is_in(recent, other); });
+  for (Candidate& candidate : candidates) candidate.kind = kind_beyond(candidate.id, id);
+  return candidates;
+}
+
+std::vector<ConstraintSearch::Candidate> ConstraintSearch::near(
+    std::int64_t id, const std::function<bool(std::int64_t)>& is_wanted) const {
   std::vector<Candidate> candidates;
-  for (const std::int64_t other :
-       graph_.near(id, options_.near_keyframes, [=](std::int64_t other) { return other >= first && other < end; }))
-    candidates.push_back({other, graph_.pose(other).inverse() * graph_.pose(id), true});
+  for (const std::int64_t other : graph_.near(id, options_.near_keyframes, is_wanted))
+    candidates.push_back({other, graph_.pose(other).inverse() * graph_.pose(id), ConstraintKind::proximity, true});
   return candidates;
 }
 
@@ -82,7 +93,7 @@ std::optional<Constraint> ConstraintSearch::align(const Candidate& candidate, st
   const std::int64_t other = candidate.id;
   const auto of_other = prepared(other), of_id = prepared(id);
   const SimilarityAlignment forward = align_to(*of_other, *of_id, candidate.other_from_id);
-  const double least_share = least_inlier_share(candidate, id, forward.b_from_a);
+  const double least_share = least_inlier_share(candidate, forward.b_from_a);
   if (!fits(forward, least_share) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
   const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
   if (!fits(backward, least_share)) return std::nullopt;
@@ -91,7 +102,7 @@ std::optional<Constraint> ConstraintSearch::align(const Candidate& candidate, st
   const Matrix7d covariance = forward.information.inverse();
   Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
   of_motion += common_covariance(graph_.keyframe(id).mean_inverse_depth);
-  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind_between(other, id)};
+  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), candidate.kind};
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
   edge.inliers = forward.points;
   return edge;
@@ -116,9 +127,9 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all. What is found where the map has
 /// it already is no other house.
-double ConstraintSearch::least_inlier_share(const Candidate& candidate, std::int64_t id, const Sim3& found) const {
+double ConstraintSearch::least_inlier_share(const Candidate& candidate, const Sim3& found) const {
   constexpr double as_predicted = 0.05;
-  if (kind_between(candidate.id, id) == ConstraintKind::proximity) return 0.0;
+  if (candidate.kind == ConstraintKind::proximity) return 0.0;
   const double mean_inverse_depth = graph_.keyframe(candidate.id).mean_inverse_depth;
   const bool is_confirmed =
       candidate.is_predicted && deviation(found, candidate.other_from_id, mean_inverse_depth) < as_predicted;
@@ -129,9 +140,9 @@ bool ConstraintSearch::fits(const SimilarityAlignment& alignment, double least_s
   return alignment.ok() && alignment.inlier_share >= least_share && alignment.information.determinant() > 0.0;
 }
 
-ConstraintKind ConstraintSearch::kind_between(std::int64_t other, std::int64_t id) const {
-  if (graph_.submap(other) != graph_.submap(id)) return ConstraintKind::merge;
-  return std::abs(other - id) > consecutive ? ConstraintKind::loop : ConstraintKind::proximity;
+/// Of one that is not among the recent ones.
+ConstraintKind ConstraintSearch::kind_beyond(std::int64_t other, std::int64_t id) const {
+  return graph_.submap(other) != graph_.submap(id) ? ConstraintKind::merge : ConstraintKind::loop;
 }
 
 }  // namespace rastro

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -26,10 +27,11 @@ class ConstraintSearch {
       : options_(options), sensor_(sensor), graph_(graph), pool_(pool) {}
 
   std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
-  /// With keyframes of earlier visits alone, where the map has them now.
+  /// With keyframes of earlier visits alone, where a loop that was just closed has them: each needs the same support
+  /// as that loop, or a wrong one would confirm itself.
   std::vector<Constraint> find_revisited(std::int64_t id);
-  /// Keyframes between which nothing has drifted much: others are of an earlier visit.
-  static constexpr std::int64_t consecutive = 10;
+  /// Steps from keyframe to keyframe in which nothing drifts much: farther ones are of an earlier visit.
+  static constexpr int consecutive = 10;
 
  private:
   struct Prepared {
@@ -38,18 +40,20 @@ class ConstraintSearch {
   };
   struct Candidate {
     std::int64_t id;
-    Sim3 other_from_id;         ///< A guess.
-    bool is_predicted = false;  ///< By the poses of the map.
+    Sim3 other_from_id;  ///< A guess.
+    ConstraintKind kind = ConstraintKind::loop;
+    bool is_predicted = false;  ///< By poses of the map that no unconfirmed loop has moved.
   };
-  std::vector<Candidate> near(std::int64_t id, std::int64_t first, std::int64_t end) const;
+  std::vector<Candidate> near(std::int64_t id, const std::function<bool(std::int64_t)>& is_wanted) const;
+  std::vector<Candidate> revisited(std::int64_t id, const std::vector<std::int64_t>& recent) const;
   std::vector<Constraint> align_all(const std::vector<Candidate>& candidates, std::int64_t id);
   std::shared_ptr<const Prepared> prepared(std::int64_t id);
   std::optional<Constraint> align(const Candidate& candidate, std::int64_t id);
   SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
   bool shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
-  double least_inlier_share(const Candidate& candidate, std::int64_t id, const Sim3& found) const;
+  double least_inlier_share(const Candidate& candidate, const Sim3& found) const;
   static bool fits(const SimilarityAlignment& alignment, double least_share);
-  ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
+  ConstraintKind kind_beyond(std::int64_t other, std::int64_t id) const;
 
   const LsdOptions& options_;
   const LsdSensor& sensor_;

@@ -27,6 +27,7 @@ class ConstraintSearchTest : public ::testing::Test {
       graph.add(std::make_shared<const SemiDenseKeyframe>(SemiDenseKeyframe{
                     id, id, id, frame.gray, testing::semi_dense_depth(frame, 5.0, 0.01, 1), mean_inverse_depth}),
                 pose, 0);
+      if (id > 0) graph.add_edge({id - 1, id, Sim3()});
     }
     return graph;
   }
@@ -63,10 +64,21 @@ TEST_F(ConstraintSearchTest, KeyframesOfAnEarlierVisitHaveRoomBesideTheRecentOne
 TEST_F(ConstraintSearchTest, ALoopThatMovesTheMapNeedsMoreSupport) {
   constexpr int hidden = 80;  // of 320
   const SemiDenseGraph right = graph_with(SE3(), hidden), moved = graph_with(SE3(SO3(), {0.0, 0.0, 0.25}), hidden);
-  EXPECT_FALSE(loops_of(ConstraintSearch(options_, sensor_, right, nullptr).find_revisited(last)).empty());
-  EXPECT_TRUE(ConstraintSearch(options_, sensor_, moved, nullptr).find_revisited(last).empty());
+  EXPECT_FALSE(loops_of(ConstraintSearch(options_, sensor_, right, nullptr).find(last, {})).empty());
+  EXPECT_TRUE(loops_of(ConstraintSearch(options_, sensor_, moved, nullptr).find(last, {})).empty());
+  EXPECT_TRUE(ConstraintSearch(options_, sensor_, right, nullptr).find_revisited(last).empty())
+      << "a loop that was just closed is no proof of its neighbors";
   options_.loop_share = 0.6;
   EXPECT_FALSE(loops_of(ConstraintSearch(options_, sensor_, moved, nullptr).find_revisited(last)).empty());
+}
+
+/// The camera came back to the first keyframe, and the last one was made of it.
+TEST_F(ConstraintSearchTest, WhatWasMadeOfAnEarlierKeyframeClosesNoLoopWithIt) {
+  SemiDenseGraph graph = graph_with(SE3());
+  graph.add_edge({0, last, Sim3()});
+  const std::vector<Constraint> found = ConstraintSearch(options_, sensor_, graph, nullptr).find(last, {});
+  EXPECT_TRUE(loops_of(found).empty());
+  EXPECT_FALSE(found.empty());
 }
 
 }  // namespace

@@ -167,10 +167,21 @@ void LsdMapping::finish_keyframe(SlamUpdate& update) {
 }
 
 void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
-  bool is_loop = add_constraints(constraints_.find(id, words), update);
-  // The corrected map tells where the keyframes before saw the place already.
-  for (std::int64_t before = id - 1; is_loop && before > id - ConstraintSearch::consecutive; --before)
-    is_loop = !graph_.closes_loop(before) && add_constraints(constraints_.find_revisited(before), update);
+  const std::vector<Constraint> found = constraints_.find(id, words);
+  const bool is_loop = add_constraints(found, update);
+  if (!found.empty()) graph_.optimize();
+  if (is_loop && connect_before(id, update)) graph_.optimize();
+}
+
+/// The corrected map tells where the keyframes right before a loop saw the place already.
+bool LsdMapping::connect_before(std::int64_t id, SlamUpdate& update) {
+  bool is_any = false;
+  for (std::int64_t before = id - 1; before > id - ConstraintSearch::consecutive && before >= 0; --before) {
+    if (is_stopped() || graph_.closes_loop(before) || graph_.keyframe(before).image.empty()) break;
+    if (!add_constraints(constraints_.find_revisited(before), update)) break;
+    is_any = true;
+  }
+  return is_any;
 }
 
 /// Whether one closes a loop or joins submaps.
@@ -188,7 +199,6 @@ bool LsdMapping::add_constraints(const std::vector<Constraint>& found, SlamUpdat
       update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", edge.to, edge.from)});
     graph_.add_edge(edge);
   }
-  if (!found.empty()) graph_.optimize();
   return is_loop;
 }
 

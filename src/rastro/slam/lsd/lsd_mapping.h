@@ -77,6 +77,7 @@ class LsdMapping {
   std::optional<ImageAlignment> on_newest(const MappingInput& input) const;
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
+  bool connect_before(std::int64_t id, SlamUpdate& update);
   bool add_constraints(const std::vector<Constraint>& found, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
   bool is_stopped() const { return stop_ != nullptr && stop_->load(); }

@@ -20,6 +20,7 @@ struct LsdMotion {
   TimeNs stamp = 0, duration = 0;      ///< Of that frame; between both.
   int lost_frames = 0, weak_frames = 0;
   bool lost = false;
+  SE3 map_moved;  ///< new_from_old of poses in the world, where the map was corrected under the camera.
 
   /// Of the camera within `time`, at this velocity.
   SE3 within(TimeNs time) const {

@@ -26,7 +26,7 @@ LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, con
       is_metric_(sensor.is_metric()),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
-      uncertainty_(sensor.is_metric() ? 0.0 : options.scale_drift_share),
+      uncertainty_(sensor.is_metric() ? errors_of_measured_depth() : errors_of_one_camera(options.scale_drift_share)),
       pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 void LsdPipeline::take_results(const FrameTime& now, LsdMotion& motion, SlamUpdate& update) {
@@ -53,6 +53,7 @@ void LsdPipeline::place_waiting() {
 }
 
 void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
+  const SE3 before = pose_of(motion.camera_from_keyframe);
   if (result.before_from_new) {
     motion.change_keyframe(*result.before_from_new);
     frames_on_current_ = 0;
@@ -62,6 +63,7 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
     if (result.current.submap == 0) uncertainty_.add(id, position, result.frame);
   }
   current_.emplace(std::move(result.current));
+  motion.map_moved = pose_of(motion.camera_from_keyframe) * before.inverse() * motion.map_moved;
   memory_ = std::move(result.memory);
   update.events.insert(update.events.end(), result.events.begin(), result.events.end());
   for (const StageTime& time : result.times) add_time(time, update.times);

@@ -37,7 +37,12 @@ class LsdSlam::State {
   void check_convergence(const LsdFrame& frame, SlamUpdate& update);
   void doubt(SlamUpdate& update) const;
   JudgedAlignment track(const LsdFrame& frame, SlamUpdate& update);
-  void follow(const SharedFrame& frame, SlamUpdate& update);
+  struct Followed {
+    ImageAlignment alignment;
+    bool is_sure = true;
+  };
+  std::optional<Followed> follow(const SharedFrame& frame, SlamUpdate& update);
+  void check_motion(SlamUpdate& update);
   void accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   void on_loss(const LsdFrame& frame, const PoseVerdict& verdict, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update);
@@ -76,24 +81,35 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
 SlamUpdate LsdSlam::State::process(const Frame& frame) {
   Stopwatch whole;
   SlamUpdate update;
+  SharedFrame undistorted_frame;
+  std::optional<Followed> followed;
   update.index = frame.index;
   update.stamp = frame.stamp;
   update.world_from_body = last_pose_;
   mapping_.take_results({number_++, frame.stamp}, motion_, update);
   if (is_usable(frame, update)) {
     Stopwatch stage;
-    const auto undistorted_frame = std::make_shared<const LsdFrame>(frames_.make(frame));
+    undistorted_frame = std::make_shared<const LsdFrame>(frames_.make(frame));
     update.times.push_back({"image", stage.lap_ms()});
     if (mapping_.has_keyframe() && !(motion_.lost && motion_.lost_frames > options_.lost_frames))
-      follow(undistorted_frame, update);
+      followed = follow(undistorted_frame, update);
     else
       start(*undistorted_frame, update);
   }
-  motion_check_.check(update);
+  check_motion(update);
+  if (followed) {
+    const bool is_sure = followed->is_sure && update.reason != SlamReason::implausible_motion;
+    mapping_.map(undistorted_frame, followed->alignment, is_sure, motion_, update);
+  }
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();
   return update;
+}
+
+void LsdSlam::State::check_motion(SlamUpdate& update) {
+  motion_check_.follow(std::exchange(motion_.map_moved, SE3()));
+  motion_check_.check(update);
 }
 
 bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
@@ -167,12 +183,18 @@ JudgedAlignment LsdSlam::State::track(const LsdFrame& frame, SlamUpdate& update)
   return tracked;
 }
 
-void LsdSlam::State::follow(const SharedFrame& frame, SlamUpdate& update) {
-  if (motion_.lost) return void(relocalize(*frame, false, update));
+/// What mapping gets of a frame that was tracked.
+std::optional<LsdSlam::State::Followed> LsdSlam::State::follow(const SharedFrame& frame, SlamUpdate& update) {
+  if (motion_.lost) {
+    relocalize(*frame, false, update);
+    return std::nullopt;
+  }
   const auto [tracked, verdict, jump_deg] = track(*frame, update);
   motion_.weak_frames = verdict.grade == PoseGrade::weak ? motion_.weak_frames + 1 : 0;
-  if (verdict.grade == PoseGrade::lost || motion_.weak_frames > options_.lost_frames)
-    return on_loss(*frame, verdict, update);
+  if (verdict.grade == PoseGrade::lost || motion_.weak_frames > options_.lost_frames) {
+    on_loss(*frame, verdict, update);
+    return std::nullopt;
+  }
   update.state = SlamState::tracking;
   check_convergence(*frame, update);
   doubt(update);
@@ -184,7 +206,7 @@ void LsdSlam::State::follow(const SharedFrame& frame, SlamUpdate& update) {
     update.reason = verdict.reason;
     update.detail = verdict.detail;
   }
-  mapping_.map(frame, tracked, is_sure, motion_, update);
+  return Followed{tracked, is_sure};
 }
 
 void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {

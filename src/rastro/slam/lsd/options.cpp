@@ -215,7 +215,8 @@ void add_variance_options(OptionTable& table, LsdOptions& o) {
   table.add({"max_depth_sigma",
              &o.max_depth_sigma,
              "",
-             "depths less certain than this share of themselves help to track but are left out of the map; 0: none is",
+             "depths less certain than this share of themselves (without surface_share) help to track but are left out "
+             "of the map; 0: none is",
              0,
              100,
              {}});

@@ -26,13 +26,17 @@ void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position
   if (keyframes_.contains(keyframe)) return;
   // What all images have in common counts once, in of_frame(), but for a part that changes from view to view.
   constexpr double changing = 0.15;
-  const Matrix6d own = frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
-  keyframes_.add(keyframe, frame.keyframe, position, in_world(own, frame), scale_drift_ * scale_drift_);
+  const Matrix6d own =
+      errors_.alike * frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
+  keyframes_.add(keyframe, frame.keyframe, position, in_world(own, frame), errors_.scale_drift * errors_.scale_drift);
 }
 
 Matrix6d PoseUncertainty::of_frame(const AlignedFrame& frame) const {
-  const Matrix6d own = frame.alignment.covariance + common_covariance(frame.mean_inverse_depth);
-  return keyframes_.of_pose(frame.keyframe, frame.world_from_camera.translation(), in_world(own, frame));
+  const Matrix6d own = errors_.alike * frame.alignment.covariance + common_covariance(frame.mean_inverse_depth);
+  const Eigen::Vector3d position = frame.world_from_camera.translation();  // from the first keyframe
+  Matrix6d covariance = keyframes_.of_pose(frame.keyframe, position, in_world(own, frame));
+  covariance.topLeftCorner<3, 3>() += errors_.scale * errors_.scale * position * position.transpose();
+  return covariance;
 }
 
 }  // namespace rastro

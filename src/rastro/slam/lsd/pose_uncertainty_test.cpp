@@ -25,14 +25,14 @@ TEST(PoseUncertainty, TheAlignmentsCovarianceIsGivenInTheWorldsAxesAndUnit) {
   AlignedFrame frame = aligned(0, SE3(SO3::exp({0.0, M_PI / 2.0, 0.0}), {5.0, 0.0, 0.0}));
   frame.alignment.covariance(2, 2) = 0.01;
   frame.unit = 2.0;
-  const Matrix6d covariance = PoseUncertainty(0.0).of_frame(frame);
+  const Matrix6d covariance = PoseUncertainty({}).of_frame(frame);
   EXPECT_NEAR(covariance(0, 0), 4.0 * 0.01, 1e-4);
   EXPECT_LT(covariance(2, 2), 1e-4);
 }
 
 /// One radian of the keyframe is one meter at a meter's distance.
 TEST(PoseUncertainty, AnErrorOfTheKeyframesRotationMovesTheFramesInIt) {
-  PoseUncertainty uncertainty(0.0);
+  PoseUncertainty uncertainty({});
   AlignedFrame keyframe = aligned(0, ahead(1.0));
   keyframe.alignment.covariance(5, 5) = 0.0001;  // about z
   uncertainty.add(3, {1.0, 0.0, 0.0}, keyframe);
@@ -45,7 +45,7 @@ TEST(PoseUncertainty, AnErrorOfTheKeyframesRotationMovesTheFramesInIt) {
 TEST(PoseUncertainty, GrowsFromKeyframeToKeyframeWithTheScaleToo) {
   double along = 0.0;
   for (const double drift : {0.0, 0.01}) {
-    PoseUncertainty uncertainty(drift);
+    PoseUncertainty uncertainty({.scale_drift = drift});
     uncertainty.set_known(0, Eigen::Vector3d::Zero());
     double before = 0.0;
     for (std::int64_t id = 0; id < 4; ++id) {
@@ -63,12 +63,24 @@ TEST(PoseUncertainty, GrowsFromKeyframeToKeyframeWithTheScaleToo) {
 }
 
 TEST(PoseUncertainty, AKeyframeThatGoesOnIsAsCertainAsBefore) {
-  PoseUncertainty uncertainty(0.01);
+  PoseUncertainty uncertainty({.scale_drift = 0.01});
   uncertainty.set_known(0, Eigen::Vector3d::Zero());
   uncertainty.add(1, {1.0, 0.0, 0.0}, aligned(0, ahead(1.0), 0.01, 0.001));
   const Matrix6d before = uncertainty.of_frame(aligned(1, ahead(1.0)));
   uncertainty.add(1, {1.0, 0.0, 0.0}, aligned(1, ahead(1.0), 0.1, 0.1));
   EXPECT_EQ(uncertainty.of_frame(aligned(1, ahead(1.0))), before);
+}
+
+TEST(PoseUncertainty, DepthsThatErrAlikeAndTheirScaleCount) {
+  const AlignedFrame frame = aligned(0, ahead(10.0), 0.1);
+  const auto variance_of = [&](const DepthErrorModel& errors, int axis) {
+    return PoseUncertainty(errors).of_frame(frame)(axis, axis);
+  };
+  const double common = 1e-6;
+  EXPECT_NEAR(variance_of({}, 1), 0.01 + common, 1e-9);
+  EXPECT_NEAR(variance_of({.alike = 4.0}, 1), 0.04 + common, 1e-9);
+  EXPECT_NEAR(variance_of({.scale = 0.003}, 1), 0.01 + common, 1e-9) << "across the path";
+  EXPECT_NEAR(variance_of({.scale = 0.003}, 0), 0.01 + common + 0.03 * 0.03, 1e-9) << "along it";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "rastro/base/error.h"
@@ -51,7 +52,33 @@ void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, cons
   keyframes_.push_back(std::move(keyframe));
   poses_.push_back(world_from_keyframe);
   submaps_.push_back(submap);
+  links_.emplace_back();
   ++revision_;
+}
+
+void SemiDenseGraph::add_edge(const Constraint& edge) {
+  edges_.push_back(edge);
+  Links &from = links_[static_cast<std::size_t>(edge.from)], &to = links_[static_cast<std::size_t>(edge.to)];
+  if (edge.kind == ConstraintKind::odometry) {
+    from.odometry.push_back(edge.to);
+    to.odometry.push_back(edge.from);
+  } else if (edge.kind != ConstraintKind::proximity) {
+    to.closes_loop = true;
+  }
+}
+
+std::vector<std::int64_t> SemiDenseGraph::within_steps(std::int64_t id, int steps) const {
+  std::set<std::int64_t> reached = {id};
+  std::vector<std::int64_t> last = {id};
+  for (int step = 0; step < steps; ++step) {
+    std::vector<std::int64_t> next;
+    for (const std::int64_t at : last)
+      for (const std::int64_t other : links_[static_cast<std::size_t>(at)].odometry)
+        if (reached.insert(other).second) next.push_back(other);
+    last = std::move(next);
+  }
+  reached.erase(id);
+  return {reached.begin(), reached.end()};
 }
 
 void SemiDenseGraph::replace(std::shared_ptr<const SemiDenseKeyframe> keyframe) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -58,7 +57,7 @@ class SemiDenseGraph {
     if (!places_.contains(id)) places_.add(id, words);
   }
   /// Relative poses are in the units of the keyframes themselves.
-  void add_edge(const Constraint& edge) { edges_.push_back(edge); }
+  void add_edge(const Constraint& edge);
   /// Drops image and depths of the oldest keyframe that has them, but for the last `kept`. False: there is none.
   bool forget_oldest(std::int64_t kept);
   std::size_t bytes() const;
@@ -78,11 +77,10 @@ class SemiDenseGraph {
   int submap(std::int64_t id) const { return submaps_[static_cast<std::size_t>(id)]; }
   const std::vector<Constraint>& edges() const { return edges_; }
   /// Whether it has a constraint with a keyframe of an earlier visit.
-  bool closes_loop(std::int64_t id) const {
-    return std::any_of(edges_.begin(), edges_.end(), [id](const Constraint& edge) {
-      return edge.to == id && edge.kind != ConstraintKind::proximity && edge.kind != ConstraintKind::odometry;
-    });
-  }
+  bool closes_loop(std::int64_t id) const { return links_[static_cast<std::size_t>(id)].closes_loop; }
+  /// Keyframes so few steps of odometry away, but for itself; sorted. Where the camera came back to an early one and
+  /// went on from there, these are not those with the nearest numbers.
+  std::vector<std::int64_t> within_steps(std::int64_t id, int steps) const;
   int new_submap() const;
   /// Other keyframes of its submap, the nearest in position and viewing direction first, at most `most` of those whose
   /// views may overlap; `is_wanted` (if any) selects.
@@ -111,11 +109,17 @@ class SemiDenseGraph {
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;
 
+  struct Links {
+    std::vector<std::int64_t> odometry;  ///< Made of it, or it of them.
+    bool closes_loop = false;
+  };
+
   LsdOptions options_;
   bool metric_;
   std::vector<std::shared_ptr<const SemiDenseKeyframe>> keyframes_;
   std::vector<Sim3> poses_;
   std::vector<int> submaps_;
+  std::vector<Links> links_;
   std::vector<Constraint> edges_;
   std::vector<PlacedFrame> frames_;  ///< In the order of the recording.
   PlaceIndex places_;

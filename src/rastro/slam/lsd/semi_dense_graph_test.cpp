@@ -46,5 +46,15 @@ TEST(SemiDenseGraph, ALoopIsClosedByConstraintsWithEarlierVisitsAlone) {
   EXPECT_FALSE(graph.closes_loop(0));
 }
 
+TEST(SemiDenseGraph, StepsFollowWhatWasMadeOfWhat) {
+  SemiDenseGraph graph = graph_of({}, 6);
+  for (const auto& [from, to] : {std::pair{0, 1}, {1, 2}, {2, 3}, {1, 4}, {4, 5}})
+    graph.add_edge({from, to, Sim3(), Matrix6d::Identity()});
+  graph.add_edge({0, 5, Sim3(), Matrix6d::Identity(), ConstraintKind::loop});
+  EXPECT_EQ(graph.within_steps(5, 2), (std::vector<std::int64_t>{1, 4}));
+  EXPECT_EQ(graph.within_steps(1, 1), (std::vector<std::int64_t>{0, 2, 4}));
+  EXPECT_EQ(graph.within_steps(1, 10), (std::vector<std::int64_t>{0, 2, 3, 4, 5}));
+}
+
 }  // namespace
 }  // namespace rastro

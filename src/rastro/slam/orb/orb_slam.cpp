@@ -71,6 +71,7 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   pipeline_.take_results(frame.stamp, update.events);
   update.times.push_back({"wait", stage.lap_ms()});
   tracking_.process(frame, update);
+  if (corrects_map(update.events)) motion_check_.forget();
   motion_check_.check(update);
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * session_.sensor.camera_from_left();

@@ -22,6 +22,7 @@ std::optional<PoseRefinement> FrameTracker::refine_by_established(const FeatureF
   std::vector<FeatureMatch> established;
   for (const FeatureMatch& match : matches)
     if (is_established(search.points[match.subject])) established.push_back(match);
+  if (static_cast<int>(established.size()) < options_.established_inliers) return std::nullopt;
   const PoseRefinement by_these = refine(frame, search, established, by_all.camera_from_world);
   if (by_these.inliers < options_.established_inliers ||
       by_these.inliers < options_.established_share * static_cast<double>(established.size()))
