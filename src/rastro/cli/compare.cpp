@@ -136,6 +136,7 @@ void write_reports(const Comparison& comparison, const std::filesystem::path& ou
   for (const PaperTable& table : report.paper)
     fmt::print("\n{}\n{}{}{}", table.title, aligned_text(table.rows), table.note, table.note.empty() ? "" : "\n");
   fmt::print("\n{}", aligned_text(difference_rows(report.differences)));
+  if (!report.by_auto.empty()) fmt::print("\n{}", aligned_text(auto_rows(report.by_auto)));
   if (!comparison.strengths.empty()) fmt::print("\n{}", aligned_text(strength_rows(comparison)));
   for (const UseCaseAdvice& advice : report.advice) fmt::print("\n{}. {}\n", advice.title, advice.text);
   fmt::print("\nreports: {0}/report.html, report.md, report.tex, report.csv\n", out.string());

@@ -96,7 +96,7 @@ class AutoSlamMethod : public SlamMethod {
     table.add({"least_texture",
                &options_.least_texture,
                "",
-               "share of the first image with corners, below which rgbd is chosen before orb for a depth camera",
+               "share of the first image with corners, below which rgbd is chosen before fusion for a depth camera",
                0,
                1,
                {}});

@@ -54,9 +54,9 @@ TEST(MethodChoice, SensorsAndTextureDecide) {
   const auto best = [](const SourceInfo& source, double texture) {
     return slam_choices(source, texture, 0.25).front().method;
   };
-  EXPECT_EQ(best(camera_source(true, false), 0.5), "orb");
+  EXPECT_EQ(best(camera_source(true, false), 0.5), "fusion");
   EXPECT_EQ(best(camera_source(true, false), 0.1), "rgbd");
-  EXPECT_EQ(best(camera_source(false, true), 0.1), "orb");
+  EXPECT_EQ(best(camera_source(false, true), 0.1), "fusion");
   EXPECT_EQ(best(camera_source(false, false), 0.1), "orb");
   EXPECT_EQ(best(scan_source(), 0.0), "hector");
   SourceInfo robot = camera_source(true, false);
@@ -140,15 +140,15 @@ std::string methods_in_use(const std::string& blind, int texture, double seconds
 }
 
 TEST(AutoSlam, SaysWhatItChoseAndWhy) {
-  EXPECT_EQ(methods_in_use("", 24, 5.0), "orb: a depth camera, corners in 50 % of the image");
+  EXPECT_EQ(methods_in_use("", 24, 5.0), "fusion: a depth camera, corners in 50 % of the image");
   EXPECT_EQ(methods_in_use("", 6, 5.0), "rgbd: a depth camera, corners in 12 % of the image: surfaces help");
-  EXPECT_EQ(methods_in_use("rgbd", 24, 5.0), "orb: a depth camera, corners in 50 % of the image");
+  EXPECT_EQ(methods_in_use("rgbd", 24, 5.0), "fusion: a depth camera, corners in 50 % of the image");
 }
 
 TEST(AutoSlam, AMethodWithoutAPoseGivesWayToTheNext) {
-  EXPECT_EQ(methods_in_use("orb", 24, 1.9), "orb: a depth camera, corners in 50 % of the image");
-  EXPECT_THAT(methods_in_use("orb", 24, 9.0), ::testing::EndsWith("image, rgbd: orb gave no pose for 2.0 s"));
-  EXPECT_THAT(methods_in_use("rgbd", 6, 9.0), ::testing::EndsWith("help, orb: rgbd gave no pose for 2.0 s"));
+  EXPECT_EQ(methods_in_use("fusion", 24, 1.9), "fusion: a depth camera, corners in 50 % of the image");
+  EXPECT_THAT(methods_in_use("fusion", 24, 9.0), ::testing::EndsWith("image, rgbd: fusion gave no pose for 2.0 s"));
+  EXPECT_THAT(methods_in_use("rgbd", 6, 9.0), ::testing::EndsWith("help, fusion: rgbd gave no pose for 2.0 s"));
 }
 
 TEST(AutoSlam, TheSeedIsThatOfTheMethodInUse) {

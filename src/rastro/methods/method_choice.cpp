@@ -20,9 +20,9 @@ bool has_calibrated_camera(const SourceInfo& source) {
 
 std::vector<MethodChoice> with_depth(double texture, double least_texture) {
   const std::string seen = fmt::format("a depth camera, corners in {:.0f} % of the image", 100.0 * texture);
-  const MethodChoice keyframes{"orb", seen}, surfaces{"rgbd", seen + ": surfaces help"};
-  if (texture >= least_texture) return {keyframes, surfaces};
-  return {surfaces, keyframes};
+  const MethodChoice everything{"fusion", seen}, surfaces{"rgbd", seen + ": surfaces help"};
+  if (texture >= least_texture) return {everything, surfaces};
+  return {surfaces, everything};
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture,
   if (source.has_scan) return {{"hector", "laser scans"}};
   if (has_calibrated_camera(source)) {
     if (source.has_depth) return with_depth(texture, least_texture);
-    if (source.has_right) return {{"orb", "a stereo pair"}};
+    if (source.has_right) return {{"fusion", "a stereo pair"}, {"orb", "a stereo pair, by features alone"}};
     return {{"orb", "one camera: the map is up to scale"}};
   }
   if (source.has_landmarks && source.has_odometry) return {{"ekf", "landmark observations and wheel odometry"}};

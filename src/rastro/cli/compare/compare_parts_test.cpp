@@ -68,6 +68,7 @@ TEST(MethodOffers, ANameStandsForEverySensor) {
   EXPECT_THAT(names_of(methods_named({"rgbd", "odometry/rgbd"})), ElementsAre("rgbd", "rgbd odometry"));
   EXPECT_EQ(methods_named({"orb:rgbd"}).front().kind, "depth");
   EXPECT_EQ(methods_named({"hector"}).front().kind, "laser");
+  EXPECT_EQ(methods_named({"auto"}).front().kind, "auto") << "one column of its own, no rival in its tables";
   EXPECT_GT(methods_named({"all"}).size(), 10U);
   EXPECT_THAT(error_of([] { methods_named({"orbs"}); }), HasSubstr("did you mean 'orb'"));
 }

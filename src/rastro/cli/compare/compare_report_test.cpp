@@ -7,6 +7,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/compare/auto_choice.h"
 #include "rastro/cli/compare/report_html.h"
 #include "rastro/cli/compare/report_tables.h"
 #include "rastro/cli/compare/svg_chart.h"
@@ -167,6 +168,26 @@ TEST(Reports, TextFormatsSayTheSame) {
   EXPECT_THAT(report_as_latex(report), HasSubstr("good & 6 & SE3 & 100.0 & 0.0135 (0.0160)"));
   EXPECT_THAT(report_as_csv(comparison), HasSubstr("room_1,good,6,1,ate_m,0.016,rastro evaluate trajectory\n"));
   EXPECT_THAT(report_as_csv(comparison), HasSubstr("stage/track_ms,7,"));
+}
+
+TEST(AutoChoice, IsBesideTheBestMethodThatIsAlignedAlikeAndTracksAsMuch) {
+  Comparison comparison = three_methods();
+  EXPECT_TRUE(auto_on_inputs(comparison).empty());
+  const auto add = [&](const std::string& column, double error_m) {
+    for (const std::uint64_t seed : comparison.inputs[0].seeds)
+      comparison.runs.push_back(run_of(0, column, seed, error_m, 0));
+  };
+  add("auto", 0.027);
+  add("up to scale", 0.001);
+  for (FinishedRun& run : comparison.runs)
+    if (run.what.column == "up to scale") run.result.scores.alignment = "sim3";
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  const auto found = auto_on_inputs(comparison);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].best, "good");
+  EXPECT_NEAR(found[0].ratio(), 2.0, 1e-9);
+  EXPECT_EQ(auto_rows(found).back(), (std::vector<std::string>{"worst", "", "", "", "2.00", ""}));
+  EXPECT_THAT(report_as_markdown(report_of(comparison)), HasSubstr("| room_1 | good | 0.0135 | 0.0270 | 2.00 |"));
 }
 
 TEST(SvgChart, TicksAreRoundAndNothingHasNoChart) {

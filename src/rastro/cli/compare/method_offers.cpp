@@ -25,6 +25,7 @@ const Option* option_named(const OptionTable& table, const std::string& name) {
 /// Of a method that has no choice of sensors.
 template <typename Method>
 std::string kind_of(const Method& method) {
+  if (method.name() == "auto") return "auto";
   if (method.wants_depth()) return "depth";
   return method.needs().find("laser") != std::string::npos ? "laser" : "mono";
 }
@@ -52,7 +53,7 @@ void append_offers(const std::string& command, Method& method, std::vector<Metho
 
 std::vector<MethodOffer> every_method() {
   std::vector<MethodOffer> offers;
-  for (const auto& method : slam_methods()) append_offers("slam", *method, offers);
+  for (const auto& method : selectable_slam_methods()) append_offers("slam", *method, offers);
   for (const auto& method : odometry_methods()) append_offers("odometry", *method, offers);
   return offers;
 }

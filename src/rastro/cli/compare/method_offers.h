@@ -13,7 +13,7 @@ struct MethodOffer {
   std::string command;   ///< "slam" or "odometry".
   std::string method;    ///< "orb".
   std::string sensor;    ///< Option sensor; "scan": a laser log cut out of depth images; empty: no choice.
-  std::string kind;      ///< What it sees with: "mono", "stereo", "depth" or "laser".
+  std::string kind;      ///< What it sees with: "mono", "stereo", "depth" or "laser"; "auto": as it chooses.
   bool has_seed = true;  ///< Random numbers decide its result.
 
   bool as_scan() const { return sensor == "scan"; }

@@ -36,6 +36,10 @@ details{margin:8px 0}summary{cursor:pointer;color:var(--soft)}
 </style>
 )";
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::string color_classes() {
   std::string css = "<style>";
   for (int k = 0; k < 12; ++k)
@@ -48,7 +52,12 @@ std::string advice_of(const Report& report) {
   std::string html = "<h2>Which method for what</h2>\n";
   for (const UseCaseAdvice& advice : report.advice)
     html += fmt::format("<p><b>{}.</b> {}</p>\n", escaped(advice.title), escaped(advice.text));
-  return html + "<h2>The best of each sensor</h2>\n" + html_table(summary_rows(report.comparison));
+  html += "<h2>The best of each sensor</h2>\n" + html_table(summary_rows(report.comparison));
+  if (report.by_auto.empty()) return html;
+  return html +
+         "<h2>What auto makes of it</h2>\n<p>Beside the best of the SLAM methods that were run by name and are "
+         "aligned alike, of those that track about as many frames as the most complete accurate one.</p>\n" +
+         html_table(auto_rows(report.by_auto));
 }
 
 std::string differences_of(const Report& report) {
@@ -159,8 +168,9 @@ std::string report_as_html(const Report& report, const std::filesystem::path& fo
       "name=\"viewport\" content=\"width=device-width,initial-scale=1\"><meta name=\"color-scheme\" content=\"light "
       "dark\">\n";
   html += style + color_classes() + "</head><body>\n";
-  html += fmt::format("<h1>Comparison of {} methods on {} inputs</h1>\n<p><code>{}</code></p>\n",
-                      comparison.table.columns().size(), comparison.inputs.size(), escaped(comparison.command));
+  html += fmt::format("<h1>Comparison of {} on {}</h1>\n<p><code>{}</code></p>\n",
+                      counted(comparison.table.columns().size(), "method"), counted(comparison.inputs.size(), "input"),
+                      escaped(comparison.command));
   if (comparison.runs.size() < comparison.planned)
     html +=
         fmt::format("<p>Interrupted: {} of {} runs have results.</p>\n", comparison.runs.size(), comparison.planned);

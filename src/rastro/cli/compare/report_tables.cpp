@@ -18,15 +18,7 @@ std::string best_column(const Comparison& comparison, const std::string& input, 
     if (known != comparison.column_kinds.end() && known->second == kind && table.median(input, column, "ate_m"))
       columns.push_back(column);
   }
-  const MarkOnInput mark = mark_on(table, input, columns);
-  std::erase_if(columns, [&](const std::string& column) {
-    return table.median(input, column, "completion_percent").value_or(0.0) <
-           mark.completion_percent - completion_points;
-  });
-  const auto best = std::min_element(columns.begin(), columns.end(), [&](const auto& a, const auto& b) {
-    return table.median(input, a, "ate_m") < table.median(input, b, "ate_m");
-  });
-  return best == columns.end() ? "" : *best;
+  return best_on(table, input, columns);
 }
 
 std::string p_text(double p) { return p < 0.001 ? "< 0.001" : fmt::format("{:.3f}", p); }
@@ -136,7 +128,7 @@ std::vector<std::string> figure_names(const Comparison& comparison) {
 }  // namespace
 
 Report report_of(const Comparison& comparison) {
-  Report report{comparison, traces_of(comparison), {}, {}, {}};
+  Report report{comparison, traces_of(comparison), {}, {}, {}, auto_on_inputs(comparison)};
   report.differences = paired_differences(report.traces, comparison.table.columns());
   report.advice = use_case_advice(comparison, report.differences);
   if (comparison.paper) report.paper = paper_tables(comparison, report.traces);
@@ -200,6 +192,7 @@ std::string report_as_markdown(const Report& report) {
   std::string text = fmt::format("# Comparison\n\n`{}`\n\n", comparison.command);
   for (const UseCaseAdvice& advice : report.advice) text += fmt::format("**{}.** {}\n\n", advice.title, advice.text);
   text += "## The best of each sensor\n\n" + markdown_table(summary_rows(comparison));
+  if (!report.by_auto.empty()) text += "## What auto makes of it\n\n" + markdown_table(auto_rows(report.by_auto));
   for (const PaperTable& table : report.paper) {
     text += fmt::format("## {}\n\n{}", table.title, markdown_table(table.rows));
     if (!table.note.empty()) text += table.note + "\n\n";

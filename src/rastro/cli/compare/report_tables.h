@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/cli/compare/auto_choice.h"
 #include "rastro/cli/compare/comparison.h"
 #include "rastro/cli/compare/paired_differences.h"
 #include "rastro/cli/compare/paper_tables.h"
@@ -18,7 +19,8 @@ struct Report {
   std::vector<ColumnTrace> traces;
   std::vector<PairedDifference> differences;
   std::vector<UseCaseAdvice> advice;
-  std::vector<PaperTable> paper;  ///< Empty without Comparison::paper.
+  std::vector<PaperTable> paper;     ///< Empty without Comparison::paper.
+  std::vector<AutoOnInput> by_auto;  ///< Empty where it was not run.
 };
 
 Report report_of(const Comparison& comparison);

@@ -87,6 +87,18 @@ MarkOnInput mark_on(const ResultTable& table, const std::string& input, const st
   return mark;
 }
 
+std::string best_on(const ResultTable& table, const std::string& input, std::vector<std::string> columns) {
+  const MarkOnInput mark = mark_on(table, input, columns);
+  std::erase_if(columns, [&](const std::string& column) {
+    return !table.median(input, column, "ate_m") || table.median(input, column, "completion_percent").value_or(0.0) <
+                                                        mark.completion_percent - completion_points;
+  });
+  const auto best = std::min_element(columns.begin(), columns.end(), [&](const auto& a, const auto& b) {
+    return table.median(input, a, "ate_m") < table.median(input, b, "ate_m");
+  });
+  return best == columns.end() ? "" : *best;
+}
+
 const std::vector<FigureKind>& compare_figures() {
   static const std::vector<FigureKind> figures = {
       {"completion_percent", "complete [%]", 1, true, "Frames in state tracking, weak or relocalized, of all frames."},

@@ -65,6 +65,9 @@ struct MarkOnInput {
 constexpr double most_error_factor = 2.0, completion_points = 5.0;
 MarkOnInput mark_on(const ResultTable& table, const std::string& input, const std::vector<std::string>& columns);
 
+/// The column with the smallest error among those within `completion_points` of the mark; empty: none has an error.
+std::string best_on(const ResultTable& table, const std::string& input, std::vector<std::string> columns);
+
 /// The figures of `rastro compare` in the order of its tables.
 const std::vector<FigureKind>& compare_figures();
 /// One of them.

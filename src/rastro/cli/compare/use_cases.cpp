@@ -146,6 +146,16 @@ std::string next_text(const std::vector<Candidate>& candidates, const std::vecto
   return text;
 }
 
+std::string why_text(const Candidate& best, std::size_t candidates, const std::string& inputs) {
+  if (candidates == 1) return fmt::format("{}: the only method for it that was run, on {}. ", best.column, inputs);
+  const double ratio = std::exp(best.log_error);
+  return fmt::format(
+      "{}: of the {} methods for it, judged on {}, it has the smallest error of those that track about as many frames "
+      "as the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
+      best.column, candidates, inputs, completion_points, most_error_factor,
+      ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
+}
+
 std::string advice_on(const Comparison& comparison, const std::vector<std::size_t>& inputs, const UseCase& use,
                       const std::vector<PairedDifference>& differences) {
   const std::vector<std::string> columns = columns_of(comparison, use);
@@ -157,13 +167,8 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   const Candidate& best = candidates.front();
   std::vector<std::string> names;
   for (const std::size_t input : best.inputs) names.push_back(comparison.inputs[input].name);
-  const double ratio = std::exp(best.log_error);
-  std::string text = fmt::format(
-      "{}: of the {} methods for it, judged on {}, it has the smallest error of those that track about as many frames "
-      "as the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
-      best.column, candidates.size(), fmt::join(names, ", "), completion_points, most_error_factor,
-      ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
-  return text + expectation_text(comparison, best) + next_text(candidates, differences);
+  return why_text(best, candidates.size(), fmt::format("{}", fmt::join(names, ", "))) +
+         expectation_text(comparison, best) + next_text(candidates, differences);
 }
 
 }  // namespace
