@@ -78,10 +78,10 @@ std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext
     throw Error(fmt::format("the map was made by '{}'", one_line(maker)), "--method", "omit --method");
   if (flags.extend && !method->can_extend())
     throw Error(fmt::format("the method '{}' cannot continue a map", method->name()), flags.map,
-                "give a map made by 'rastro slam DATA --method orb'");
+                "give a map made by 'rastro slam DATA --method orb' or fusion");
   if (!method->can_localize())
     throw Error(fmt::format("the method '{}' cannot localize in a map", method->name()), flags.map,
-                "give a map made by 'rastro slam DATA --method rgbd' or orb");
+                "give a map made by 'rastro slam DATA --method rgbd', orb or fusion");
   return method;
 }
 

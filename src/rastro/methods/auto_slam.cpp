@@ -29,8 +29,8 @@ class AutoSlam : public Slam {
   SlamUpdate process(const Frame& frame) override {
     std::vector<SlamEvent> events;
     if (!slam_) {
-      choices_ =
-          slam_choices(source_, texture_of(frame.image.view(), options_.corner_threshold), options_.least_texture);
+      choices_ = slam_choices(source_, texture_of(frame.image.view(), options_.corner_threshold),
+                              options_.least_texture, context_.live);
       use(0, choices_.front().reason, events);
     } else if (has_failed(frame.stamp)) {
       use(in_use_ + 1, fmt::format("{} gave no pose for {:.1f} s", choices_[in_use_].method, options_.patience_s),
@@ -116,7 +116,8 @@ class AutoSlamMethod : public SlamMethod {
   bool wants_right() const override { return true; }
   std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {
     // Whatever is wrong with the source is said before the run begins.
-    for (const MethodChoice& choice : slam_choices(source, 1.0, 0.0)) by_name_(choice.method)->make(source, {});
+    for (const MethodChoice& choice : slam_choices(source, 1.0, 0.0, context.live))
+      by_name_(choice.method)->make(source, {});
     return std::make_unique<AutoSlam>(options_, source, context, by_name_);
   }
 

@@ -20,6 +20,20 @@ SourceInfo camera_source(bool depth, bool right) {
   return source;
 }
 
+Camera real_camera() {
+  Camera camera;
+  camera.width = 640, camera.height = 480;
+  camera.fx = camera.fy = 500.0, camera.cx = 319.5, camera.cy = 239.5;
+  return camera;
+}
+
+SourceInfo calibrated_pair() {
+  SourceInfo source = camera_source(false, true);
+  source.cameras = {{"cam0", real_camera(), {}, ""}, {"cam1", real_camera(), {}, ""}};
+  source.left_from_right = SE3(SO3(), {0.1, 0.0, 0.0});
+  return source;
+}
+
 SourceInfo scan_source() {
   SourceInfo source;
   source.has_image = false;
@@ -56,7 +70,10 @@ TEST(MethodChoice, SensorsAndTextureDecide) {
   };
   EXPECT_EQ(best(camera_source(true, false), 0.5), "fusion");
   EXPECT_EQ(best(camera_source(true, false), 0.1), "rgbd");
-  EXPECT_EQ(best(camera_source(false, true), 0.1), "fusion");
+  EXPECT_EQ(best(camera_source(false, true), 0.1), "orb") << "whose right camera is not calibrated";
+  EXPECT_EQ(best(calibrated_pair(), 0.1), "fusion");
+  EXPECT_EQ(slam_choices(calibrated_pair(), 0.5, 0.25, true).front().method, "orb") << "live, the faster one";
+  EXPECT_EQ(slam_choices(camera_source(true, false), 0.5, 0.25, true).front().method, "orb");
   EXPECT_EQ(best(camera_source(false, false), 0.1), "orb");
   EXPECT_EQ(best(scan_source(), 0.0), "hector");
   SourceInfo robot = camera_source(true, false);
@@ -158,6 +175,14 @@ TEST(AutoSlam, TheSeedIsThatOfTheMethodInUse) {
   method->options().set("seed", "17", "a test");
   method->make(camera_source(true, false), {})->process(frame_at(0.0, 24));
   EXPECT_EQ(made_with, 17U);
+}
+
+TEST(AutoSlam, APairThatIsNotCalibratedIsUsedAsOneCamera) {
+  SourceInfo pair = calibrated_pair();
+  pair.left_from_right.reset();
+  EXPECT_NO_THROW(slam_method("auto")->make(pair, {}));
+  EXPECT_NO_THROW(slam_method("auto")->make(calibrated_pair(), {}));
+  EXPECT_THROW(slam_method("fusion")->make(pair, {}), Error);
 }
 
 TEST(AutoSlam, WrongSourcesAreRefusedBeforeTheRun) {

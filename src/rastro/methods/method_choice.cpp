@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/feature/orb.h"
+#include "rastro/sensor/stereo_pair.h"
 
 namespace rastro {
 namespace {
@@ -18,9 +19,11 @@ bool has_calibrated_camera(const SourceInfo& source) {
   return source.has_image && !source.cameras.empty() && source.cameras.front().camera;
 }
 
-std::vector<MethodChoice> with_depth(double texture, double least_texture) {
+const char* by_keyframes(bool live) { return live ? "orb" : "fusion"; }
+
+std::vector<MethodChoice> with_depth(double texture, double least_texture, bool live) {
   const std::string seen = fmt::format("a depth camera, corners in {:.0f} % of the image", 100.0 * texture);
-  const MethodChoice everything{"fusion", seen}, surfaces{"rgbd", seen + ": surfaces help"};
+  const MethodChoice everything{by_keyframes(live), seen}, surfaces{"rgbd", seen + ": surfaces help"};
   if (texture >= least_texture) return {everything, surfaces};
   return {surfaces, everything};
 }
@@ -39,11 +42,12 @@ double texture_of(GrayView image, int threshold) {
   return static_cast<double>(std::count(has_corner.begin(), has_corner.end(), true)) / (columns * rows);
 }
 
-std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture) {
+std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture, bool live) {
   if (source.has_scan) return {{"hector", "laser scans"}};
   if (has_calibrated_camera(source)) {
-    if (source.has_depth) return with_depth(texture, least_texture);
-    if (source.has_right) return {{"fusion", "a stereo pair"}, {"orb", "a stereo pair, by features alone"}};
+    if (source.has_depth) return with_depth(texture, least_texture, live);
+    if (source.has_right && stereo_pair(source)) return {{by_keyframes(live), "a stereo pair"}};
+    if (source.has_right) return {{"orb", "two cameras that are no calibrated pair: the left one alone"}};
     return {{"orb", "one camera: the map is up to scale"}};
   }
   if (source.has_landmarks && source.has_odometry) return {{"ekf", "landmark observations and wheel odometry"}};

@@ -19,9 +19,10 @@ struct MethodChoice {
 /// `threshold` gray levels; 0 for an empty image.
 double texture_of(GrayView image, int threshold);
 
-/// The methods for a source, best first. `texture`: of its first image, see texture_of(). Error where there is none for
-/// what the source has.
-std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture);
+/// The methods for a source, best first. `texture`: of its first image, see texture_of(). `live`: it does not wait, so
+/// the faster one where two are good. Error where there is none for what the source has.
+std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture,
+                                       bool live = false);
 
 /// The odometry for a source. Error where there is none.
 MethodChoice odometry_choice(const SourceInfo& source);

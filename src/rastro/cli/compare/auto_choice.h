@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,20 +10,24 @@
 
 namespace rastro::cli {
 
+constexpr const char* auto_column = "auto";
+
 /// `slam --method auto` on one input beside the best of the SLAM methods that were run by name there.
 struct AutoOnInput {
   std::string input, best;
-  double error_m = 0.0, best_error_m = 0.0;                        ///< ATE, medians.
+  std::optional<double> error_m;  ///< ATE, median; none where no run of auto gave a path.
+  double best_error_m = 0.0;
   double completion_percent = 0.0, best_completion_percent = 0.0;  ///< Medians; the latter of the mark (MarkOnInput).
-  double ratio() const { return error_m / best_error_m; }
+  /// None without an error, and where auto tracks fewer frames by more than completion_points.
+  std::optional<double> ratio() const;
 };
 
-/// Of every input with both. Only methods that are aligned as `auto` is are compared: a path that claims meters is not
-/// ranked with one whose scale was fitted.
+/// Of every input where auto was run and another method has an error. Only methods that are aligned as `auto` is are
+/// compared: a path that claims meters is not ranked with one whose scale was fitted.
 std::vector<AutoOnInput> auto_on_inputs(const Comparison& comparison);
 
-/// Head: input, best method, its ATE, that of auto, ratio, tracked of both. With the median and the worst ratio below;
-/// only a head without any input.
+/// Head: input, best method, its ATE, that of auto, ratio, tracked of both. With the median and the worst ratio below,
+/// for which an input without one is worse than any; only a head without any input.
 TextRows auto_rows(const std::vector<AutoOnInput>& inputs);
 
 }  // namespace rastro::cli

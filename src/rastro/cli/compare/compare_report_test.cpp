@@ -185,9 +185,27 @@ TEST(AutoChoice, IsBesideTheBestMethodThatIsAlignedAlikeAndTracksAsMuch) {
   const auto found = auto_on_inputs(comparison);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].best, "good");
-  EXPECT_NEAR(found[0].ratio(), 2.0, 1e-9);
+  EXPECT_NEAR(found[0].ratio().value_or(0.0), 2.0, 1e-9);
   EXPECT_EQ(auto_rows(found).back(), (std::vector<std::string>{"worst", "", "", "", "2.00", ""}));
   EXPECT_THAT(report_as_markdown(report_of(comparison)), HasSubstr("| room_1 | good | 0.0135 | 0.0270 | 2.00 |"));
+  for (const PairedDifference& each : report_of(comparison).differences)
+    EXPECT_TRUE(each.first != "auto" && each.second != "auto") << "a copy of a method would count twice";
+}
+
+TEST(AutoChoice, LosingTrackOrFailingIsWorseThanAnyRatio) {
+  for (const bool fails : {true, false}) {
+    Comparison comparison = three_methods();
+    for (const std::uint64_t seed : comparison.inputs[0].seeds) {
+      comparison.runs.push_back(run_of(0, "auto", seed, 0.001, 24));
+      if (fails) comparison.runs.back().result.scores = {}, comparison.runs.back().result.failure = "exit code 2";
+    }
+    comparison.table = table_of(comparison.inputs, comparison.runs);
+    const auto found = auto_on_inputs(comparison);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_FALSE(found[0].ratio());
+    EXPECT_EQ(auto_rows(found)[1][3], fails ? "failed" : "0.0010");
+    EXPECT_EQ(auto_rows(found).back()[4], "-");
+  }
 }
 
 TEST(SvgChart, TicksAreRoundAndNothingHasNoChart) {

@@ -129,7 +129,10 @@ std::vector<std::string> figure_names(const Comparison& comparison) {
 
 Report report_of(const Comparison& comparison) {
   Report report{comparison, traces_of(comparison), {}, {}, {}, auto_on_inputs(comparison)};
-  report.differences = paired_differences(report.traces, comparison.table.columns());
+  // What auto is compared with are runs of the same methods: it has a table of its own.
+  std::vector<std::string> columns = comparison.table.columns();
+  std::erase(columns, auto_column);
+  report.differences = paired_differences(report.traces, columns);
   report.advice = use_case_advice(comparison, report.differences);
   if (comparison.paper) report.paper = paper_tables(comparison, report.traces);
   return report;

@@ -2,6 +2,8 @@
 #include "rastro/slam/fusion/method.h"
 
 #include "rastro/base/error.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/sensor/stereo_pair.h"
 #include "rastro/slam/fusion/options.h"
 #include "rastro/slam/fusion/view_alignment.h"
 #include "rastro/slam/initial_pose.h"
@@ -26,7 +28,8 @@ class FusionMethod : public SlamMethod {
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
     FusionOptions options = options_;
-    options.orb.sensor = sensor_of(source);
+    const bool localizes = context.map && !context.extend_map;
+    options.orb.sensor = localizes ? sensor_in(*context.map, source) : sensor_of(source);
     const OrbMethodParts parts{name(), [options](const SensorChoice& sensor) {
                                  return std::make_shared<const ViewAlignment>(options, sensor);
                                }};
@@ -38,11 +41,21 @@ class FusionMethod : public SlamMethod {
  private:
   /// "rgbd" or "stereo"; Error where the source has neither, or not the one asked for.
   std::string sensor_of(const SourceInfo& source) const {
-    if (source.has_depth && options_.sensor != "stereo") return "rgbd";
-    if (source.has_right && options_.sensor != "rgbd") return "stereo";
-    throw Error(options_.sensor == "stereo" ? "has no right images" : "has no depth images", source.path,
-                "'--method fusion' needs a depth camera, such as a TUM RGB-D folder, or a stereo pair");
+    if (source.has_depth && (is_any() || options_.sensor == "rgbd")) return "rgbd";
+    if (source.has_right && (is_any() || options_.sensor == "stereo")) return "stereo";
+    throw Error(
+        options_.sensor == "stereo" ? "has no right images" : "has no depth images", source.path,
+        "'--method fusion' needs a depth camera, such as a TUM RGB-D folder, or a stereo pair; with one camera it "
+        "only localizes in its maps");
   }
+  /// To localize in a map, one camera is enough: by default where the recording lacks the sensor of the map.
+  std::string sensor_in(const Map& map, const SourceInfo& source) const {
+    if (!is_any()) return options_.sensor == "mono" ? "mono" : sensor_of(source);
+    const CameraKind made_with = map.cameras.empty() ? CameraKind::mono : map.cameras.front().kind;
+    if (made_with == CameraKind::depth && source.has_depth) return "rgbd";
+    return made_with == CameraKind::stereo && source.has_right && stereo_pair(source) ? "stereo" : "mono";
+  }
+  bool is_any() const { return options_.sensor == "auto"; }
 
   FusionOptions options_;
 };

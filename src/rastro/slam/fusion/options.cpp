@@ -18,10 +18,10 @@ void add_depth_options(OptionTable& table, FusionOptions& o) {
   table.add({"sensor",
              &o.sensor,
              "",
-             "auto: depth where the recording has it, else the stereo pair",
+             "auto: depth where the recording has it, else the stereo pair; mono: one camera, to localize in a map",
              0,
              0,
-             {"auto", "rgbd", "stereo"}});
+             {"auto", "rgbd", "stereo", "mono"}});
   table.add(
       {"depth_sigma_m", &o.depth_sigma_m, "m", "part of the depth noise that does not grow with depth", 0, 1, {}});
   table.add({"depth_sigma_per_m2",

@@ -28,7 +28,7 @@ class ConstraintSearch {
 
   std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
   /// With keyframes of earlier visits alone, where a loop that was just closed has them: each needs the same support
-  /// as that loop, or a wrong one would confirm itself.
+  /// as that loop, which may be wrong.
   std::vector<Constraint> find_revisited(std::int64_t id);
   /// Steps from keyframe to keyframe in which nothing drifts much: farther ones are of an earlier visit.
   static constexpr int consecutive = 10;
@@ -42,7 +42,7 @@ class ConstraintSearch {
     std::int64_t id;
     Sim3 other_from_id;  ///< A guess.
     ConstraintKind kind = ConstraintKind::loop;
-    bool is_predicted = false;  ///< By poses of the map that no unconfirmed loop has moved.
+    bool is_predicted = false;  ///< By the poses of the map, which no loop moved just now.
   };
   std::vector<Candidate> near(std::int64_t id, const std::function<bool(std::int64_t)>& is_wanted) const;
   std::vector<Candidate> revisited(std::int64_t id, const std::vector<std::int64_t>& recent) const;

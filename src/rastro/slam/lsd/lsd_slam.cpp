@@ -42,7 +42,7 @@ class LsdSlam::State {
     bool is_sure = true;
   };
   std::optional<Followed> follow(const SharedFrame& frame, SlamUpdate& update);
-  void check_motion(SlamUpdate& update);
+  bool check_motion(SlamUpdate& update);
   void accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   void on_loss(const LsdFrame& frame, const PoseVerdict& verdict, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update);
@@ -59,7 +59,8 @@ class LsdSlam::State {
   LsdPipeline mapping_;
   LsdRelocalization relocalization_;
   MotionCheck motion_check_;
-  SE3 last_pose_;  ///< world_from_camera
+  int implausible_frames_ = 0;  ///< In a row.
+  SE3 last_pose_;               ///< world_from_camera
 };
 
 LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context)
@@ -96,20 +97,24 @@ SlamUpdate LsdSlam::State::process(const Frame& frame) {
     else
       start(*undistorted_frame, update);
   }
-  check_motion(update);
-  if (followed) {
-    const bool is_sure = followed->is_sure && update.reason != SlamReason::implausible_motion;
-    mapping_.map(undistorted_frame, followed->alignment, is_sure, motion_, update);
-  }
+  const bool is_plausible = check_motion(update);
+  if (followed)
+    mapping_.map(undistorted_frame, followed->alignment, followed->is_sure && is_plausible, motion_, update);
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();
   return update;
 }
 
-void LsdSlam::State::check_motion(SlamUpdate& update) {
+/// Whether mapping may use the frame. A single jump takes three frames, there and back; what goes on is the camera's
+/// own motion, and without new depths it would be lost.
+bool LsdSlam::State::check_motion(SlamUpdate& update) {
+  constexpr int frames_of_jump = 3;
   motion_check_.follow(std::exchange(motion_.map_moved, SE3()));
   motion_check_.check(update);
+  const bool is_implausible = update.reason == SlamReason::implausible_motion;
+  implausible_frames_ = is_implausible ? implausible_frames_ + 1 : 0;
+  return implausible_frames_ == 0 || implausible_frames_ > frames_of_jump;
 }
 
 bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
