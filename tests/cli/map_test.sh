@@ -130,11 +130,10 @@ landmarks() {
   run 0 slam "$room" --out "$here/chosen"
   said 'fusion: a depth camera'
   run 0 localize "$room" --map "$here/chosen" --out "$here/chosen_found" --require 'recall>=60'
-  run 0 localize "$room" --map "$here/chosen" --sensor mono --out "$here/chosen_mono"
   cp -r "$room" "$here/gray"
   rm -r "$here/gray/depth" "$here/gray/depth.txt"
   run 0 localize "$here/gray" --map "$here/chosen" --out "$here/chosen_gray"
-  refused 'only localizes in its maps' slam "$room" --method fusion --sensor mono --out "$here/no"
+  refused 'only localizes in its maps' slam "$here/gray" --method fusion --out "$here/no"
   refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left a folder"

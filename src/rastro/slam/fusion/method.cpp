@@ -48,9 +48,9 @@ class FusionMethod : public SlamMethod {
         "'--method fusion' needs a depth camera, such as a TUM RGB-D folder, or a stereo pair; with one camera it "
         "only localizes in its maps");
   }
-  /// To localize in a map, one camera is enough: by default where the recording lacks the sensor of the map.
+  /// To localize in a map, one camera is enough where the recording lacks the sensor of the map.
   std::string sensor_in(const Map& map, const SourceInfo& source) const {
-    if (!is_any()) return options_.sensor == "mono" ? "mono" : sensor_of(source);
+    if (!is_any()) return sensor_of(source);
     const CameraKind made_with = map.cameras.empty() ? CameraKind::mono : map.cameras.front().kind;
     if (made_with == CameraKind::depth && source.has_depth) return "rgbd";
     return made_with == CameraKind::stereo && source.has_right && stereo_pair(source) ? "stereo" : "mono";

@@ -18,10 +18,10 @@ void add_depth_options(OptionTable& table, FusionOptions& o) {
   table.add({"sensor",
              &o.sensor,
              "",
-             "auto: depth where the recording has it, else the stereo pair; mono: one camera, to localize in a map",
+             "auto: depth where the recording has it, else the stereo pair; to localize in a map also one camera",
              0,
              0,
-             {"auto", "rgbd", "stereo", "mono"}});
+             {"auto", "rgbd", "stereo"}});
   table.add(
       {"depth_sigma_m", &o.depth_sigma_m, "m", "part of the depth noise that does not grow with depth", 0, 1, {}});
   table.add({"depth_sigma_per_m2",
