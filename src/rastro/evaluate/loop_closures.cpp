@@ -133,7 +133,7 @@ class Scoring {
     }
   }
 
-  /// Rightly all the way: from the earlier visit to the keyframe, and from there to the frame.
+  /// True over both parts: from the earlier visit to the keyframe, and from there to the frame.
   bool is_closed_by(KeyframeId keyframe, const Link& to_frame) const {
     const auto [first, last] = closing_.equal_range(keyframe);
     return std::any_of(first, last, [&](const auto& each) {
