@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,6 +31,7 @@ constexpr const char* footer =
   revisits   frames that see a place again, by closures.yaml
   found      of these, those that a right constraint closes, or that the map holds relative to an old keyframe
   recall     share of the revisits that is found
+  missed     the other revisits: when, and when the place was seen before, in seconds since the recording's start
 --json: accepted, wrong, unknown (without ground truth), precision, revisits, found and recall.
 
 Examples:
@@ -53,11 +55,23 @@ NamedNumbers numbers_of(const LoopClosureScores& scores) {
           {"recall", scores.recall()}};
 }
 
-std::string text_of(const LoopClosureScores& scores) {
+/// Of the first: when, and when the place was seen before, in seconds since the recording's start.
+std::string text_of_missed(const std::vector<Revisit>& missed, TimeNs start) {
+  constexpr std::size_t most = 8;
+  std::string text = "missed     ";
+  for (std::size_t i = 0; i < std::min(most, missed.size()); ++i)
+    text += fmt::format("{}{:.1f} s (place of {:.1f} s)", i == 0 ? "" : ", ", to_seconds(missed[i].stamp - start),
+                        to_seconds(missed[i].earlier_stamp - start));
+  if (missed.size() > most) text += fmt::format(" and {} more", missed.size() - most);
+  return text + "\n";
+}
+
+std::string text_of(const LoopClosureScores& scores, TimeNs start) {
   std::string text = fmt::format("accepted   {} loop closures, {} wrong: precision {:.2f} %\n", scores.accepted,
                                  scores.wrong, 100.0 * scores.precision());
   text +=
       fmt::format("revisits   {}, found {}: recall {:.1f} %\n", scores.revisits, scores.found, 100.0 * scores.recall());
+  if (!scores.missed.empty()) text += text_of_missed(scores.missed, start);
   if (scores.unknown > 0) text += fmt::format("unknown    {} without ground truth\n", scores.unknown);
   return text;
 }
@@ -82,7 +96,7 @@ int evaluate_loops(const Flags& flags) {
   if (flags.json)
     fmt::print("{}", as_json(numbers_of(scores)));
   else if (!flags.quiet)
-    fmt::print("{}", text_of(scores));
+    fmt::print("{}", text_of(scores, info.ground_truth.front().stamp));
   return report_missed(limits, numbers_of(scores));
 }
 

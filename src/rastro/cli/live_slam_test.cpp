@@ -242,7 +242,7 @@ TEST(LiveOdometry, ShowsPosesFeaturesAndTheFinalTrajectory) {
 }
 
 TEST(LossAdvice, IsThereForEveryReasonThatSomethingCanBeDoneAbout) {
-  for (int reason = static_cast<int>(SlamReason::no_data); reason <= static_cast<int>(SlamReason::implausible_motion);
+  for (int reason = static_cast<int>(SlamReason::no_data); reason <= static_cast<int>(SlamReason::uncertain_scale);
        ++reason)
     EXPECT_NE(advice_for(static_cast<SlamReason>(reason)), "") << name_of(static_cast<SlamReason>(reason));
   EXPECT_EQ(advice_for(SlamReason::none), "");

@@ -39,6 +39,8 @@ std::string advice_for(SlamReason reason) {
       return "keep looking at this place until more frames agree; the detail says what is not confirmed yet";
     case SlamReason::implausible_motion:
       return "the pose jumps: move slower, and look for moving things that fill the image";
+    case SlamReason::uncertain_scale:
+      return "one camera turned too fast: turn slower and move sideways meanwhile, or go back to a place seen before";
   }
   return "";
 }

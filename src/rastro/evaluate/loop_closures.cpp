@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -72,8 +73,9 @@ class Scoring {
     add_frames();
     std::sort(closed_.begin(), closed_.end());
     scores_.revisits = static_cast<std::int64_t>(revisits.size());
-    scores_.found = std::count_if(revisits.begin(), revisits.end(),
-                                  [this](const Revisit& revisit) { return is_closed(revisit.stamp); });
+    std::copy_if(revisits.begin(), revisits.end(), std::back_inserter(scores_.missed),
+                 [this](const Revisit& revisit) { return !is_closed(revisit.stamp); });
+    scores_.found = scores_.revisits - static_cast<std::int64_t>(scores_.missed.size());
     return scores_;
   }
 

@@ -38,6 +38,7 @@ struct LoopClosureScores {
   std::int64_t unknown = 0;   ///< Constraints without ground truth at one of their ends; not among the accepted.
   std::int64_t revisits = 0;  ///< Frames that see a place again, by the list.
   std::int64_t found = 0;     ///< Of these: a right constraint closes them, or the map places them in an old keyframe.
+  std::vector<Revisit> missed;  ///< The others.
 
   double precision() const {
     return accepted == 0 ? 1.0 : 1.0 - static_cast<double>(wrong) / static_cast<double>(accepted);

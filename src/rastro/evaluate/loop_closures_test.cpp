@@ -92,7 +92,10 @@ TEST(LoopClosureScores, AWrongOneFindsNothing) {
   Case test;
   test.close(0, 4, 0.6);
   EXPECT_EQ(test.score().found, 0);
+  ASSERT_EQ(test.score().missed.size(), test.revisits.size());
+  EXPECT_EQ(test.score().missed.front().stamp, test.revisits.front().stamp);
   EXPECT_EQ(test.score({.max_error_m = 0.7}).found, 1);
+  EXPECT_EQ(test.score({.max_error_m = 0.7}).missed.size(), test.revisits.size() - 1);
   EXPECT_EQ(test.score({.gap_s = 41.0}).accepted, 0);
 }
 

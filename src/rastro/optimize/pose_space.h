@@ -155,7 +155,7 @@ struct PoseSpace<Sim3> : GroupSpace<Sim3> {
   static Matrix7d information(const Constraint& edge, const PoseGraphOptions& options) {
     Matrix7d information = Matrix7d::Zero();
     information.topLeftCorner<6, 6>() = edge.information;
-    information(6, 6) = options.scale_information;
+    information(6, 6) = 1.0 / (1.0 / options.scale_information + edge.scale_variance);
     return information;
   }
 };

@@ -57,6 +57,8 @@ const char* name_of(SlamReason reason) {
       return "unconfirmed";
     case SlamReason::implausible_motion:
       return "implausible_motion";
+    case SlamReason::uncertain_scale:
+      return "uncertain_scale";
   }
   return "unknown";
 }

@@ -46,6 +46,7 @@ enum class SlamReason : std::uint8_t {
   apart,               ///< In a submap that is not connected to the first one yet.
   unconfirmed,         ///< Found in the map, but too few frames agree yet: its pose is not believed.
   implausible_motion,  ///< Only an acceleration explains the pose that hardly any camera is exposed to.
+  uncertain_scale,     ///< One camera turned too fast to tell the scale of what came into view.
 };
 
 const char* name_of(SlamState state);    ///< "initializing", "tracking", ...

@@ -29,6 +29,8 @@ struct Constraint {
   ConstraintKind kind = ConstraintKind::odometry;
   double weight = 1.0;  ///< 0..1, weight by the robust kernel after the last optimization.
   int inliers = 0;      ///< Matches that agree with it; 0: unknown.
+  /// Of the logarithm of its scale, on top of what all edges of a graph have in common (PoseGraphOptions). Not saved.
+  double scale_variance = 0.0;
 
   SE3 rigid() const { return {from_from_to.rotation(), from_from_to.translation()}; }  ///< Without the scale.
 };

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/tracking/view_correlation.h"
 
 namespace rastro {
@@ -105,6 +106,7 @@ std::optional<Constraint> ConstraintSearch::align(const Candidate& candidate, st
   Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), candidate.kind};
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
   edge.inliers = forward.points;
+  edge.scale_variance = depths_alike_of_one_camera * covariance(6, 6);
   return edge;
 }
 

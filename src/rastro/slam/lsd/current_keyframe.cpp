@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/lsd/current_keyframe.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace rastro {
 
 ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_from_keyframe) const {
@@ -24,8 +21,7 @@ bool CurrentKeyframe::is_left_by(const ImageAlignment& tracked) const {
 }
 
 bool CurrentKeyframe::tells_scale(const ImageAlignment& tracked) const {
-  const double error = std::sqrt(std::max(0.0, tracked.covariance.topLeftCorner<3, 3>().trace()));
-  return error <= options_->max_motion_error * tracked.image_from_reference.translation().norm();
+  return tracked.motion_error() <= options_->max_motion_error;
 }
 
 bool CurrentKeyframe::is_met_by(const ImageAlignment& tracked) const {

@@ -46,12 +46,13 @@ const std::vector<GrayImage>& walked_images() {
 }
 
 /// `image_of` gives the image of a frame.
-DisturbedRun run_with(const std::function<GrayImage(int)>& image_of) {
+DisturbedRun run_with(const std::function<GrayImage(int)>& image_of, double max_scale_error = 0.1) {
   testing::AlignmentRoom room;
   SourceInfo info;
   info.path = "room";
   info.cameras.push_back({"cam0", room.camera(), std::nullopt, "generated"});
   const auto method = lsd_slam_method();
+  method->options().set("max_scale_error", std::to_string(max_scale_error), "test");
   const auto slam = method->make(info, {});
   DisturbedRun run;
   for (int k = 0; k < frames; ++k) {
@@ -140,18 +141,32 @@ double largest_rotation_error_deg(const DisturbedRun& run, int first, const std:
   return largest * 57.3;
 }
 
+/// By 52 degrees.
+SE3 turning_walk(int k) {
+  const double yaw = 0.03 * std::clamp(k - 40, 0, 30);
+  return walk(k) * SE3(SO3::exp({0.0, yaw, 0.0}), Eigen::Vector3d::Zero());
+}
+
 TEST(LsdDisturbance, DepthsArisePromptlyWhereAWalkTurns) {
-  // By 52 degrees, with a new keyframe after every few frames: each begins with less in view than the one before unless
-  // the frames right before it give depths to what came into view.
+  // With a new keyframe after every few frames: each begins with less in view than the one before unless the frames
+  // right before it give depths to what came into view.
   testing::AlignmentRoom room;
-  const auto pose = [](int k) {
-    const double yaw = 0.03 * std::clamp(k - 40, 0, 30);
-    return walk(k) * SE3(SO3::exp({0.0, yaw, 0.0}), Eigen::Vector3d::Zero());
-  };
-  const DisturbedRun run = run_with([&](int k) { return room.render(pose(k)).gray; });
+  const DisturbedRun run = run_with([&](int k) { return room.render(turning_walk(k)).gray; });
   // At its end 260 pixels are left, and the motion is known to half of itself: it is lost, not followed at any scale.
   EXPECT_EQ(run.count(SlamState::lost, 40, 70), 0);
-  EXPECT_LT(largest_rotation_error_deg(run, 40, pose), 3.0);
+  EXPECT_LT(largest_rotation_error_deg(run, 40, turning_walk), 3.0);
+}
+
+TEST(LsdDisturbance, WhereATurnLeavesTheScaleUncertainFramesAreWeak) {
+  testing::AlignmentRoom room;
+  const DisturbedRun run = run_with([&](int k) { return room.render(turning_walk(k)).gray; }, 0.05);
+  const auto is_uncertain = [](const SlamUpdate& update) {
+    return update.state == SlamState::weak && update.reason == SlamReason::uncertain_scale;
+  };
+  const auto first = std::find_if(run.updates.begin(), run.updates.end(), is_uncertain);
+  EXPECT_GT(first - run.updates.begin(), 50) << "it turns from 40 on";
+  EXPECT_LT(first - run.updates.begin(), 70);
+  EXPECT_TRUE(std::all_of(first, run.updates.begin() + 70, is_uncertain)) << "nothing known comes into view";
 }
 
 TEST(LsdDisturbance, WhatHidesMostOfTheViewIsNotFollowed) {

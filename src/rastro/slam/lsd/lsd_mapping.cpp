@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,12 @@ namespace {
 
 constexpr double memory_reserve_mb = 100.0;  // for everything except the map
 
+/// Of what was not in view before, the scale is known as well as the motion.
+double scale_variance_of_new(const ImageAlignment& tracked) {
+  const double is_new = 1.0 - tracked.overlap;
+  return is_new * is_new * std::min(1.0, tracked.motion_error() * tracked.motion_error());
+}
+
 /// Of the new keyframe relative to the one before, in the new one's unit.
 Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_from_new, double mean_inverse_depth,
                        const ImageAlignment& tracked) {
@@ -29,6 +36,7 @@ Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_
   covariance += common_covariance(mean_inverse_depth);
   Constraint edge{before, id, before_from_new, covariance.inverse()};
   edge.inliers = tracked.points;
+  edge.scale_variance = scale_variance_of_new(tracked);
   return edge;
 }
 
@@ -210,7 +218,7 @@ KeyframeDepths LsdMapping::restored_keyframe(std::int64_t id) const {
 
 MappedKeyframe LsdMapping::current() const {
   const std::int64_t id = depths_->id();
-  return {depths_->current(), graph_.pose(id), graph_.submap(id)};
+  return {depths_->current(), graph_.pose(id), graph_.submap(id), graph_.scale_error(id)};
 }
 
 /// The oldest keyframes keep their poses only.

@@ -34,6 +34,7 @@ struct MappedKeyframe {
   CurrentKeyframe keyframe;
   Sim3 world_from_keyframe;
   int submap = 0;
+  double scale_error = 0.0;  ///< SemiDenseGraph::scale_error().
 };
 
 /// The map: the depths of the newest keyframe, which frames improve, and the graph of all keyframes. "Newest" is the

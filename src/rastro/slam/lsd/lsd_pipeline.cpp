@@ -122,10 +122,12 @@ AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& worl
 }
 
 void LsdPipeline::doubt(SlamUpdate& update) const {
-  if (current_->submap == 0) return;
-  update.reason = SlamReason::apart;
-  update.detail = fmt::format("in submap {}, not connected to the first yet", current_->submap);
+  const bool is_apart = current_->submap != 0;
+  if (!is_apart && (is_metric_ || current_->scale_error <= options_.max_scale_error)) return;
   update.state = SlamState::weak;
+  update.reason = is_apart ? SlamReason::apart : SlamReason::uncertain_scale;
+  update.detail = is_apart ? fmt::format("in submap {}, not connected to the first yet", current_->submap)
+                           : fmt::format("a fast turn left the scale known to {:.0f} %", 100.0 * current_->scale_error);
 }
 
 }  // namespace rastro

@@ -42,7 +42,7 @@ class LsdPipeline {
   SE3 pose_of(const SE3& camera_from_keyframe) const;
   /// None in a submap apart from the first: where it lies is unknown.
   std::optional<Matrix6d> covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const;
-  /// Says what is not known yet: where a submap lies.
+  /// Says what is not known yet: where a submap lies, or its scale.
   void doubt(SlamUpdate& update) const;
   const MapMemory& memory() const { return memory_; }
   std::int64_t dropped_frames() const { return pipeline_.statistics().dropped; }

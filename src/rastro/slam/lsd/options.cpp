@@ -259,6 +259,14 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              1000,
              {}});
+  table.add({"max_scale_error",
+             &o.max_scale_error,
+             "",
+             "standard deviation of the scale, as a share of it, above which frames of one camera are weak: that of "
+             "what came into view in fast turns, until a known place is seen again",
+             0,
+             1000,
+             {}});
   table.add(
       {"keyframe_frames",
        &o.keyframe_frames,

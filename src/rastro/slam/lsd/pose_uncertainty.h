@@ -27,7 +27,10 @@ struct DepthErrorModel {
 /// Of a pair or a depth camera: motion from noisy depths is too short, by 0.2 to 0.6 % on walks with a pair.
 inline DepthErrorModel errors_of_measured_depth() { return {2.0, 0.0, 0.003}; }
 /// Depths that follow from motion err like it, all along a surface.
-inline DepthErrorModel errors_of_one_camera(double scale_drift) { return {30.0, scale_drift, 0.0}; }
+constexpr double depths_alike_of_one_camera = 30.0;
+inline DepthErrorModel errors_of_one_camera(double scale_drift) {
+  return {depths_alike_of_one_camera, scale_drift, 0.0};
+}
 
 /// Covariances of poses in the world's axes and unit, as of SlamUpdate::covariance: that of an alignment, and those of
 /// all alignments by which its keyframe was placed.

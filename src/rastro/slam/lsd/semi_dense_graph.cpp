@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/lsd/semi_dense_graph.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,14 +58,17 @@ void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, cons
 }
 
 void SemiDenseGraph::add_edge(const Constraint& edge) {
-  edges_.push_back(edge);
   Links &from = links_[static_cast<std::size_t>(edge.from)], &to = links_[static_cast<std::size_t>(edge.to)];
+  const double along = from.scale_variance + edge.scale_variance;
   if (edge.kind == ConstraintKind::odometry) {
     from.odometry.push_back(edge.to);
     to.odometry.push_back(edge.from);
+    to.scale_variance = metric_ ? 0.0 : along;
   } else if (edge.kind != ConstraintKind::proximity) {
     to.closes_loop = true;
+    to.scale_variance = std::min(to.scale_variance, along);
   }
+  edges_.push_back(with_scale_errors(edge));
 }
 
 std::vector<std::int64_t> SemiDenseGraph::within_steps(std::int64_t id, int steps) const {
@@ -126,6 +130,22 @@ void SemiDenseGraph::merge(const Constraint& edge) {
     poses_[k] = kept_from_moved * poses_[k];
     submaps_[k] = kept;
   }
+}
+
+/// Depths whose scales differ from each other's by that much shift and turn what is aligned by them: by that share of
+/// the motion, and of the angle under which it is seen from the mean distance.
+Constraint SemiDenseGraph::with_scale_errors(const Constraint& edge) const {
+  const double error = std::max(scale_error(edge.from), scale_error(edge.to));
+  if (error == 0.0) return edge;
+  const double motion = edge.from_from_to.translation().norm() / edge.from_from_to.scale();
+  const double angle = motion * keyframe(edge.to).mean_inverse_depth;
+  Matrix6d covariance = edge.information.inverse();
+  covariance.topLeftCorner<3, 3>().diagonal().array() += error * error * motion * motion;
+  covariance.bottomRightCorner<3, 3>().diagonal().array() += error * error * angle * angle;
+  const Matrix6d information = covariance.inverse();
+  Constraint result = edge;
+  result.information = 0.5 * (information + information.transpose());
+  return result;
 }
 
 void SemiDenseGraph::optimize() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -56,7 +57,7 @@ class SemiDenseGraph {
   void add_words(std::int64_t id, const BagOfWords& words) {
     if (!places_.contains(id)) places_.add(id, words);
   }
-  /// Relative poses are in the units of the keyframes themselves.
+  /// Relative poses are in the units of the keyframes themselves. Where the scale is uncertain, the edge knows less.
   void add_edge(const Constraint& edge);
   /// Drops image and depths of the oldest keyframe that has them, but for the last `kept`. False: there is none.
   bool forget_oldest(std::int64_t kept);
@@ -78,6 +79,9 @@ class SemiDenseGraph {
   const std::vector<Constraint>& edges() const { return edges_; }
   /// Whether it has a constraint with a keyframe of an earlier visit.
   bool closes_loop(std::int64_t id) const { return links_[static_cast<std::size_t>(id)].closes_loop; }
+  /// Standard deviation, as a share, by the motions from which depths of what came into view follow: in a fast turn of
+  /// one camera they are hardly known. A loop ties a keyframe to what is known better.
+  double scale_error(std::int64_t id) const { return std::sqrt(links_[static_cast<std::size_t>(id)].scale_variance); }
   /// Keyframes so few steps of odometry away, but for itself; sorted. Where the camera came back to an early one and
   /// went on from there, these are not those with the nearest numbers.
   std::vector<std::int64_t> within_steps(std::int64_t id, int steps) const;
@@ -108,10 +112,12 @@ class SemiDenseGraph {
   int largest_submap() const;
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;
+  Constraint with_scale_errors(const Constraint& edge) const;
 
   struct Links {
     std::vector<std::int64_t> odometry;  ///< Made of it, or it of them.
     bool closes_loop = false;
+    double scale_variance = 0.0;
   };
 
   LsdOptions options_;

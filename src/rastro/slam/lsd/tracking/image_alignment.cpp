@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rastro/slam/lsd/tracking/affine_brightness.h"
 #include "rastro/slam/lsd/tracking/levenberg_marquardt.h"
@@ -166,6 +167,12 @@ const char* to_string(AlignmentFailure failure) {
       return "large residual";
   }
   return "unknown";
+}
+
+double ImageAlignment::motion_error() const {
+  const double motion = image_from_reference.translation().norm();
+  if (!(motion > 0.0)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace())) / motion;
 }
 
 ImageAlignment align_image(const AlignmentReference& reference, const Pyramid& image,

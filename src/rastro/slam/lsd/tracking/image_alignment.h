@@ -53,6 +53,8 @@ struct ImageAlignment {
   AlignmentFailure failure = AlignmentFailure::too_few_points;
 
   bool ok() const { return failure == AlignmentFailure::none; }
+  /// Standard deviation of the translation as a share of it; infinite where the camera stands still.
+  double motion_error() const;
 };
 
 /// Motion of a camera against a keyframe: minimizes the variance-normalized photometric residuals of the keyframe's
