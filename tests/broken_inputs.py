@@ -27,12 +27,16 @@ CASES = [
                "localize {in} --map {mono} --out {out}", "occlude {in} --out {out}", "vocabulary {in} --depth 2 --out {out}",
                "evaluate trajectory {in} {mono}", "evaluate tracks {tracks} --ground-truth {in}",
                "slam {in} --map {mono} --continue --out {out}", "odometry {in} --method profiles --out {out}",
-               "slam {in} --method lsd --out {out}"]),
+               "slam {in} --method lsd --out {out}", "slam {in} --out {out}", "slam replay:{in} --method orb --out {out}",
+               "record replay:{in} --out {out}", "odometry {in} --method classic --out {out}", "odometry {in} --method hybrid --out {out}",
+               "calibrate {in}/mav0/cam0/data --board chessboard:9x6:0.025 --out {out}", "compare {in} --methods odometry/profiles --out {out}"]),
     ("kitti", ["info {in}", "check {in}", "track {in} --out {out}", "odometry {in} --out {out}", "slam {in} --method orb --out {out}"]),
     ("kitti_raw/2014_06_24/2014_06_24_drive_0001_sync", ["info {in}", "check {in}", "track {in} --out {out}"]),
     ("tum", ["info {in}", "check {in}", "odometry {in} --method rgbd --out {out}", "slam {in} --method rgbd --out {out}",
              "slam {in} --method orb --out {out}", "slam {in} --method rtabmap --out {out}", "slam {in} --method lsd --out {out}",
-             "localize {in} --map {rgbd} --out {out}", "convert {in} --to scan --out {out}"]),
+             "localize {in} --map {rgbd} --out {out}", "convert {in} --to scan --out {out}", "slam {in} --out {out}",
+             "slam {in} --method fusion --out {out}", "localize {in} --map {rtabmap} --out {out}", "localize {in} --map {fusion} --out {out}",
+             "calibrate {in} --board chessboard:9x6:0.06 --depth --out {out}"]),
     ("corridor", ["info {in}", "check {in}", "slam {in} --method hector --out {out}", "slam {in} --method ekf --out {out}",
                   "convert {in} --to scan --out {out}", "slam {in}/landmarks.txt --method ekf --out {out}",
                   "evaluate relations {hector} --relations {in}/relations.txt", "evaluate map {hector} {in}/floor_plan.yaml"]),
@@ -47,8 +51,15 @@ CASES = [
               "evaluate cloud {in}/cloud.ply {rgbd}/cloud.ply"]),
     ("hector", ["info {in}", "recover {in} --out {out}", "export {in} --to pgm --out {out}", "export {in} --to ply --out {out}",
                 "evaluate map {in} {corridor}/floor_plan.yaml"]),
+    ("rtabmap", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}", "export {in} --to ply --out {out}",
+                 "export {in} --to word-images --out {out}", "slam {tum} --map {in} --continue --out {out}"]),
+    ("fusion", ["localize {tum} --map {in} --out {out}", "export {in} --to ply --out {out}", "slam {tum} --map {in} --continue --out {out}"]),
+    ("lsd", ["info {in}", "recover {in} --out {out}", "export {in} --to ply --out {out}", "export {in} --to depth-images --out {out}",
+             "export {in} --to html --out {out}", "export {in} --to depth-video --out {out}"]),
     ("tracks", ["evaluate tracks {in} --ground-truth {euroc}", "export {in} --to colmap --out {out}"]),
     ("orb/map.rastro", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}"]),
+    ("rtabmap/map.rastro", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}"]),
+    ("lsd/map.rastro", ["info {in}", "recover {in} --out {out}", "export {in} --to ply --out {out}"]),
     ("mono/map.rastro", ["recover {in} --out {out}", "localize {euroc} --map {in} --out {out}", "scale {in} --length 1,2,3"]),
     ("mono/trajectory.txt", ["evaluate trajectory {longer} {in}", "evaluate trajectory {in} {in}", "export {in} --to kitti --out {out}",
                             "odometry {euroc} --scale reference={in} --out {out}", "scale {mono_copy} --reference {in}"]),
@@ -57,6 +68,7 @@ CASES = [
     ("kitti/calib.txt", ["info {euroc} --calibration {in}", "slam {kitti} --calibration {in} --method orb --out {out}"]),
     ("tum/camera.yaml", ["info {tum} --calibration {in}", "odometry {tum} --calibration {in} --method rgbd --out {out}"]),
     ("mask.png", ["track {euroc} --mask {in} --out {out}", "slam {euroc} --method orb --mask {in} --out {out}"]),
+    ("list.yaml", ["benchmark {in} --out {out}", "compare {in} --out {out}"]),
     ("objects.yaml", ["measure {rgbd} --objects {in}"]),
 ]
 
@@ -76,9 +88,13 @@ def make_originals(program, folder):
     run(program, f"slam {folder}/longer --method orb --out {folder}/mono")
     run(program, f"slam {folder}/tum --method orb --out {folder}/orb")
     run(program, f"slam {folder}/tum --method rgbd --out {folder}/rgbd")
+    run(program, f"slam {folder}/tum --method rtabmap --out {folder}/rtabmap")
+    run(program, f"slam {folder}/tum --method fusion --out {folder}/fusion")
+    run(program, f"slam {folder}/longer --method lsd --out {folder}/lsd")
     run(program, f"slam {folder}/corridor --method hector --out {folder}/hector")
     run(program, f"track {folder}/euroc --out {folder}/tracks")
     shutil.copy(next((folder / "euroc/mav0/cam0/data").iterdir()), folder / "mask.png")
+    (folder / "list.yaml").write_text(f"entries:\n  - {{data: {folder}/euroc, command: odometry, method: profiles}}\n")
     (folder / "objects.yaml").write_text("objects:\n  - {name: box, a: [0, 0, 1], b: [1, 0, 1], length_m: 1}\n")
 
 

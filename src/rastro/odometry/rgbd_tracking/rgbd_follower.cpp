@@ -16,8 +16,9 @@
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/rgbd_tracking/camera_motion.h"
 #include "rastro/odometry/rgbd_tracking/coverage.h"
-#include "rastro/odometry/rgbd_tracking/depth_delay.h"
+#include "rastro/odometry/rgbd_tracking/delayed_depth.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
+#include "rastro/odometry/rgbd_tracking/followed_points.h"
 #include "rastro/odometry/rgbd_tracking/landmark_finder.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
 #include "rastro/odometry/rgbd_tracking/pose_judge.h"
@@ -31,10 +32,6 @@ constexpr int most_missed = 20;
 // Where fewer of the features agree, there are several motions, and that of most of the image is the camera's.
 constexpr double agreeing_share = 0.7;
 constexpr int solver_iterations = 6;
-constexpr double most_depth_offset_s = 0.1;
-constexpr double delay_step_s = 0.005;
-// A point tracked by optical flow alone has drifted since its first observation.
-constexpr double carried_sigma_factor = 2.0;
 // Surfaces: every fourth block for the coarse search, every third for the fine one; search radius in meters.
 constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
 constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
@@ -56,6 +53,8 @@ class RgbdFollower::State {
         camera_(camera),
         check_(options_.frame_check),
         tracker_(options_, camera_, pool),
+        depth_(options_, camera_),
+        points_(options_, camera_),
         surfaces_(options_),
         judge_(options_, camera_.fx) {}
 
@@ -76,16 +75,8 @@ class RgbdFollower::State {
   std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const std::vector<std::int32_t>& weights,
                                const SE3& guess, RgbdFollow& result);
   std::optional<SE3> pose_from_surfaces(const Frame& frame, const SE3& guess);
-  void read_depths(const Frame& frame, const Vector6d& velocity);
   double leave_out_moving(const SE3& pose);
-  std::vector<std::uint8_t> fitting(const SE3& pose, double within_px) const;
-  double keep_inliers(const SE3& pose);
-  std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
-  SE3 depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
-  std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
   void learn_delay(const SE3& pose);
-  void learn_depths(const std::vector<FoundPoint>& found, const std::vector<PointMeasurement>& measured,
-                    const SE3& pose);
   bool is_reference(const SE3& pose, int inliers) const;
   void add_reference(const Frame& frame, const SE3& pose);
   double add_points(const Frame& frame, int number);
@@ -94,17 +85,16 @@ class RgbdFollower::State {
   Camera camera_;
   FrameCheck check_;
   FeatureTracker tracker_;
+  DelayedDepth depth_;
+  FollowedPoints points_;  ///< Of the last frame.
   SurfaceMatcher surfaces_;
   PoseJudge judge_;
   LandmarkFinder landmark_finder_;
   PointMap map_;
   CameraMotion motion_;
-  SE3 camera_from_depth_;  ///< Between the color and the depth of the last frame.
-  DepthDelay depth_delay_;
+  SE3 camera_from_depth_;      ///< Between the color and the depth of the last frame.
   int reference_inliers_ = 0;  ///< Inliers of the newest reference.
   std::int64_t followed_ = 0;
-  std::vector<FoundPoint> found_;
-  std::vector<PointMeasurement> measured_;
   ImageParts moving_;                      ///< Of the last frame, in which something moves.
   std::int64_t moved_until_ = 0;           ///< By `followed_`: so long something may still move before the camera.
   std::vector<FollowedFeature> features_;  ///< Of the last frame, for those who ask.
@@ -144,8 +134,7 @@ void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
   }
   motion_.restart(motion_.pose());
   motion_.note(frame.stamp, motion_.pose());
-  found_.clear();
-  measured_.clear();
+  points_.clear();
   add_reference(frame, motion_.pose());
   result.state = OdometryState::tracking;
   result.points = result.inliers = reference_inliers_;
@@ -174,28 +163,13 @@ void RgbdFollower::State::follow_map(const Frame& frame, bool image_useful, Rgbd
   map_.forget(options_.map_references, most_missed);  // indices into the points end here
 }
 
-SE3 RgbdFollower::State::depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s) const {
-  const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_.seconds() + later_s;
-  if (std::abs(offset) > most_depth_offset_s) return {};
-  return SE3::exp(-offset * velocity);
-}
-
-std::optional<DepthReading> RgbdFollower::State::read(const Frame& frame, const Eigen::Vector2d& ray,
-                                                      const Vector6d& velocity) const {
-  auto reading = read_depth(frame.depth, camera_, ray, depth_from_color(frame, velocity), options_);
-  if (!reading || !options_.learn_delay) return reading;
-  const auto later = read_depth(frame.depth, camera_, ray, depth_from_color(frame, velocity, delay_step_s), options_);
-  if (later) reading->per_second = (later->inverse_depth - reading->inverse_depth) / delay_step_s;
-  return reading;
-}
-
 /// Color and depth are taken at different times, and the stamps are often wrong. The apparent motion of depth against
 /// color during a rotation shows the delay.
 void RgbdFollower::State::learn_delay(const SE3& pose) {
-  DelayedQuadratic frame = points_with_delay(measured_, pose);
+  DelayedQuadratic frame = points_with_delay(points_.measured(), pose);
   frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, motion_.velocity(), fine_reach_m, coarse_step);
   const auto [information, gradient] = delay_alone(frame);
-  map_.delay_depths(depth_delay_.learn(information, gradient));
+  map_.delay_depths(depth_.learn(information, gradient));
 }
 
 std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found,
@@ -241,7 +215,7 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
 
 std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, const SE3& guess) {
   SE3 pose = guess;
-  const SE3 camera_from_depth = depth_from_color(frame, motion_.velocity_to(frame.stamp, guess)).inverse();
+  const SE3 camera_from_depth = depth_.depth_from_color(frame, motion_.velocity_to(frame.stamp, guess)).inverse();
   surfaces_.choose(map_, pose, camera_from_depth);
   SurfaceMatch match;
   PoseQuadratic last;
@@ -266,112 +240,37 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
     for (const FoundPoint& point : carried) features_.push_back({point.pixel, FollowedFeature::State::matched});
     return false;
   }
-  found_.clear();
-  if (image_useful) found_ = tracker_.recognize(map_, *first, carried);
-  measured_ = measurements(found_);
+  points_.take(image_useful ? tracker_.recognize(map_, *first, carried) : std::vector<FoundPoint>(), map_);
   // Depth readings depend on the pose at which the depth was taken, which is known now.
   const Vector6d velocity = motion_.velocity_to(frame.stamp, *first);
-  const SE3 camera_from_depth = depth_from_color(frame, velocity).inverse();
-  read_depths(frame, velocity);
+  const SE3 camera_from_depth = depth_.depth_from_color(frame, velocity).inverse();
+  points_.read_depths(frame, velocity, depth_);
   const double reach_m = leave_out_moving(*first);
   surfaces_.choose(map_, *first, camera_from_depth);
   const PoseSolution solution = solve_pose(
-      measured_, options_.shared_error_px / camera_.fx, *first, solver_iterations,
+      points_.measured(), options_.shared_error_px / camera_.fx, *first, solver_iterations,
       [&](const SE3& pose, int) { return surfaces_.compare(map_, pose, camera_from_depth, reach_m, fine_step); });
   SurfaceMatch match;
   surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, reach_m, coarse_step, &match);
-  result.points = static_cast<int>(measured_.size());
-  const PoseJudge::ExcessVariance excess = judge_.excess_variance(measured_, solution);
-  result.inlier_share = keep_inliers(solution.by_points_alone());
-  result.inliers = static_cast<int>(found_.size());
+  result.points = static_cast<int>(points_.measured().size());
+  const PoseJudge::ExcessVariance excess = judge_.excess_variance(points_.measured(), solution);
+  result.inlier_share = points_.keep_inliers(solution.by_points_alone(), map_, features_);
+  result.inliers = static_cast<int>(points_.found().size());
   if (!judge_.judge(solution, match, map_.references.back(), excess, result)) return false;
   motion_.note(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
-  learn_depths(found_, measured_, solution.world_from_camera);
+  points_.teach_depths(solution.world_from_camera, map_);
   return true;
-}
-
-void RgbdFollower::State::read_depths(const Frame& frame, const Vector6d& velocity) {
-  if (frame.depth.empty()) return;
-  for (PointMeasurement& point : measured_) {
-    const auto reading = read(frame, point.ray, velocity);
-    if (!reading) continue;
-    point.per_second = reading->per_second;
-    point.inverse_depth = reading->inverse_depth;
-    point.inverse_depth_sigma = reading->sigma;
-  }
 }
 
 /// Leaves out the surfaces of what moves before the rest, whose motion is `pose`. Returns how closely the others must
 /// fit.
 double RgbdFollower::State::leave_out_moving(const SE3& pose) {
-  moving_ = moving_parts(found_, fitting(pose, moving_px), camera_);
+  moving_ = moving_parts(points_.found(), points_.fitting(pose, moving_px), camera_);
   if (moving_.any()) moved_until_ = followed_ + moving_frames;
   surfaces_.leave_out(moving_);
   return followed_ <= moved_until_ ? close_reach_m : fine_reach_m;
-}
-
-std::vector<std::uint8_t> RgbdFollower::State::fitting(const SE3& pose, double within_px) const {
-  const SE3 camera_from_world = pose.inverse();
-  std::vector<std::uint8_t> fits(measured_.size(), 0);
-  for (std::size_t i = 0; i < measured_.size(); ++i) {
-    const Eigen::Vector3d p = camera_from_world * measured_[i].in_world;
-    fits[i] = p.z() > 0.0 && (p.head<2>() / p.z() - measured_[i].ray).norm() * camera_.fx <= within_px;
-  }
-  return fits;
-}
-
-/// Returns the share of the image with features that fits.
-double RgbdFollower::State::keep_inliers(const SE3& pose) {
-  const std::vector<std::int32_t> weights = coverage_weights(found_, camera_);
-  const std::vector<std::uint8_t> fits = fitting(pose, options_.max_error_px);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < found_.size(); ++i) {
-    features_.push_back(
-        {found_[i].pixel, fits[i] != 0 ? FollowedFeature::State::inlier : FollowedFeature::State::outlier});
-    if (fits[i] != 0) {
-      found_[kept] = found_[i];
-      measured_[kept++] = measured_[i];
-    } else {
-      map_.points[found_[i].point].tracked = false;
-      ++map_.points[found_[i].point].missed;
-    }
-  }
-  found_.resize(kept);
-  measured_.resize(kept);
-  return weighted_share(weights, fits);
-}
-
-std::vector<PointMeasurement> RgbdFollower::State::measurements(const std::vector<FoundPoint>& found) const {
-  std::vector<PointMeasurement> measured;
-  for (const FoundPoint& here : found) {
-    const MapPoint& point = map_.points[here.point];
-    PointMeasurement m;
-    m.in_world = map_.in_world(point);
-    const Eigen::Vector3d along = map_.world_from_anchor(point).rotation() * Eigen::Vector3d(point.ray.homogeneous());
-    m.in_world_per_inverse_depth = -along / (point.inverse_depth * point.inverse_depth);
-    m.inverse_depth_variance = 1.0 / point.information;
-    m.map_per_second = point.per_second;
-    m.ray = here.ray;
-    m.ray_sigma = options_.pixel_sigma / camera_.fx * (here.recognized ? 1.0 : carried_sigma_factor);
-    measured.push_back(m);
-  }
-  return measured;
-}
-
-void RgbdFollower::State::learn_depths(const std::vector<FoundPoint>& found,
-                                       const std::vector<PointMeasurement>& measured, const SE3& pose) {
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    MapPoint& point = map_.points[found[i].point];
-    ++point.seen;
-    if (!(measured[i].inverse_depth > 0.0)) continue;
-    const SE3 anchor_from_camera = map_.world_from_anchor(point).inverse() * pose;
-    const Eigen::Vector3d p = anchor_from_camera * Eigen::Vector3d(Eigen::Vector3d(measured[i].ray.homogeneous()) /
-                                                                   measured[i].inverse_depth);
-    if (p.z() < options_.min_depth_m) continue;
-    PointMap::add_reading(point, {1.0 / p.z(), measured[i].inverse_depth_sigma, measured[i].per_second});
-  }
 }
 
 bool RgbdFollower::State::is_reference(const SE3& pose, int inliers) const {
@@ -400,18 +299,18 @@ void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose) {
 
 /// New points of the newest reference; returns the median depth of its image.
 double RgbdFollower::State::add_points(const Frame& frame, int number) {
-  const int wanted = options_.features - static_cast<int>(found_.size());
+  const int wanted = options_.features - static_cast<int>(points_.found().size());
   std::vector<double> depths;
-  for (const PointMeasurement& measured : measured_) {
+  for (const PointMeasurement& measured : points_.measured()) {
     if (measured.inverse_depth > 0.0) depths.push_back(1.0 / measured.inverse_depth);
   }
-  const std::vector<Eigen::Vector2f> corners = tracker_.new_corners(frame, found_, 2 * wanted);
+  const std::vector<Eigen::Vector2f> corners = tracker_.new_corners(frame, points_.found(), 2 * wanted);
   const std::vector<Descriptor> descriptors = landmark_finder_.describe(tracker_.pyramid(), corners);
   int added = 0;
   for (std::size_t i = 0; i < corners.size() && added < wanted; ++i) {
     if (moving_.at(static_cast<int>(corners[i].x()), static_cast<int>(corners[i].y()))) continue;
     const auto ray = camera_.unproject(corners[i].cast<double>());
-    const auto reading = ray ? read(frame, *ray, motion_.velocity()) : std::nullopt;
+    const auto reading = ray ? depth_.read(frame, *ray, motion_.velocity()) : std::nullopt;
     if (!reading) continue;
     MapPoint point;
     point.anchor = number;
@@ -427,7 +326,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
     depths.push_back(1.0 / reading->inverse_depth);
     ++added;
   }
-  reference_inliers_ = static_cast<int>(found_.size()) + added;
+  reference_inliers_ = static_cast<int>(points_.found().size()) + added;
   return upper_median_or(std::move(depths), 1.0);
 }
 
@@ -435,8 +334,7 @@ void RgbdFollower::State::restart(const SE3& world_from_camera) {
   map_.first_live = static_cast<int>(map_.references.size());
   map_.points.clear();
   motion_.restart(world_from_camera);
-  found_.clear();
-  measured_.clear();
+  points_.clear();
   moving_ = {};
 }
 
