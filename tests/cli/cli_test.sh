@@ -250,6 +250,11 @@ folder_in_use() {
   refused '--force' track "$hall" --out "$here/run"
   run 0 track "$hall" --out "$here/run" --force --frames 0:3
   [[ -f $here/run/notes.txt ]] || fail "--force removed a file that is not of a run"
+  [[ ! -e $here/run/former_run ]] || fail "--force left the former run aside"
+  cp "$here/run/tracks.csv" "$here/before.csv"
+  pgm "$here/mask.pgm" 16 16
+  refused 'the mask is 16x16' track "$hall" --out "$here/run" --force --mask "$here/mask.pgm"
+  cmp "$here/before.csv" "$here/run/tracks.csv" || fail "a run without a frame cost the former one"
   echo file >"$here/file"
   refused 'not a folder' track "$hall" --out "$here/file"
 }

@@ -54,6 +54,9 @@ files() {
     fail "the hash is not that of trajectory and map"
   run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set keyframe_frames=4 --quiet
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
+  run 2 localize "$room" --map "$map" --out "$here/run" --force --quiet
+  said 'would be overwritten'
+  [[ -s $map ]] || fail "localize removed the map that it should localize in"
   run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --only 'blue box height' \
     --out "$here/images" --require 'measured>=1' --require 'max_error_m<=0.015'
   said 'blue box width'

@@ -31,7 +31,8 @@ constexpr const char* footer =
   revisits   frames that see a place again, by closures.yaml
   found      of these, those that a right constraint closes, or that the map holds relative to an old keyframe
   recall     share of the revisits that is found
-  missed     the other revisits: when, and when the place was seen before, in seconds since the recording's start
+  missed     the other revisits, the first eight: when, and when the place was seen before, in seconds since the
+             first pose of the ground truth
 --json: accepted, wrong, unknown (without ground truth), precision, revisits, found and recall.
 
 Examples:

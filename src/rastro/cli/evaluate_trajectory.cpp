@@ -149,6 +149,13 @@ void require_use_of_times(const Flags& flags, const ReferenceTrajectory& referen
   throw Error("is unused: no KITTI poses are given, and the others have timestamps", "--times", "omit it");
 }
 
+void warn_of_few(const TrajectoryScores& scores) {
+  constexpr std::size_t least = 3;
+  if (scores.alignment == TrajectoryAlignment::none || scores.pairs.size() >= least) return;
+  log_warning(fmt::format("{}: {} matched: an alignment makes the error of so few small, whatever they are",
+                          one_line(scores.estimate), scores.pairs.size() == 1 ? "1 pose is" : "2 poses are"));
+}
+
 int evaluate_trajectory(const Flags& flags) {
   const TrajectoryScoreOptions options = score_options(flags);
   std::vector<ScoreLimit> limits;
@@ -165,6 +172,7 @@ int evaluate_trajectory(const Flags& flags) {
         consistency_of_run(path, reference, estimates.back(), all.back().scale(), options.max_difference);
   }
   require_use_of_times(flags, reference, estimates);
+  for (const TrajectoryScores& scores : all) warn_of_few(scores);
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);
   if (!flags.csv.empty()) write_curves(plot_of(reference, all), all, flags.csv);
   if (flags.json)

@@ -161,7 +161,8 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   const OdometryResult& result = end.result;
   std::string text = fmt::format("{} frames, {} tracked", result.frames, result.tracking);
   if (result.initializing > 0)
-    text += fmt::format(", {} before initialization (poses added afterwards)", result.initializing);
+    text += fmt::format(", {} before initialization ({})", result.initializing,
+                        end.trajectory.empty() ? "it never came" : "poses added afterwards");
   if (result.weak + result.lost > 0) text += fmt::format(", {} weak, {} lost", result.weak, result.lost);
   text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms per frame, {:.0f} MB\n", result.path_length, result.scale,
                       result.ms_per_frame_mean, result.peak_memory_mb);

@@ -6,6 +6,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -160,6 +162,11 @@ int dispatch(int argc, const char* const* argv) {
   return context.exit_code;
 }
 
+std::string output_fault(int number) {
+  return fmt::format("standard output: cannot be written ({}); send it elsewhere",
+                     std::error_code(number, std::generic_category()).message());
+}
+
 int say_fault(const std::exception& error) {
   return say(fault, fmt::format("internal error: {}; please report it with this line, the command '{}' and the output "
                                 "of 'rastro --version'",
@@ -178,12 +185,15 @@ int run_program(int argc, const char* const* argv) {
   try {
     send_log_to_stderr();
     divert_library_output();
-    return dispatch(argc, argv);
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write that reaches it
+    const int code = dispatch(argc, argv);
+    return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? code : say(unusable, output_fault(errno));
   } catch (const Error& error) {
     return say(unusable, error.what());
   } catch (const std::bad_alloc&) {
     return say(unusable, "memory: there is not enough of it; raise its limit, or use smaller images or fewer frames");
   } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return say(unusable, output_fault(error.code().value()));
     if (error.code() != std::errc::resource_unavailable_try_again) return say_fault(error);
     return say(unusable, "threads: none can be started; raise the limits on memory and processes or add --threads 1");
   } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <memory>
 
@@ -53,7 +54,11 @@ void load_map_of(const SlamFlags& flags, SlamContext& context) {
     if (flags.extend) throw Error("needs a map", "--continue", "give --map MAP");
     return;
   }
-  context.map = load_map(map_file_of(flags.map));
+  const std::filesystem::path file = map_file_of(flags.map);
+  std::error_code ignored;
+  if (!flags.extend && std::filesystem::equivalent(std::filesystem::path(file).parent_path(), flags.out, ignored))
+    throw Error("holds the map, which would be overwritten", flags.out, "give another folder with --out");
+  context.map = load_map(file);
   context.extend_map = flags.extend;
 }
 
@@ -95,6 +100,20 @@ SlamTask task_of(const SlamContext& context) {
   return context.map && !context.extend_map ? SlamTask::localize : SlamTask::map;
 }
 
+/// A map can be used with another camera, but a wrong calibration of the same one would bend all poses.
+void warn_of_other_camera(const Map& map, const SourceInfo& info) {
+  constexpr double most_difference = 0.02;
+  if (map.cameras.empty() || map.cameras.front().kind == CameraKind::stereo) return;  // rectified
+  if (info.cameras.empty() || !info.cameras.front().camera) return;
+  const Camera &of_map = map.cameras.front().intrinsics, &of_run = *info.cameras.front().camera;
+  if (of_map.width != of_run.width || std::abs(of_run.fx / of_map.fx - 1.0) < most_difference) return;
+  log_warning(
+      fmt::format("--map: was made with a focal length of {:.1f} px, this run has {:.1f} px: right for another camera, "
+                  "wrong for the "
+                  "same one",
+                  of_map.fx, of_run.fx));
+}
+
 Prepared prepare(const SlamFlags& flags, StepsShown on_finishing) {
   Prepared run;
   run.context = context_of(flags);
@@ -112,6 +131,7 @@ Prepared prepare(const SlamFlags& flags, StepsShown on_finishing) {
   run.context.live = run.input.live != nullptr;
   const SourceInfo& info = run.input.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
+  if (run.context.map) warn_of_other_camera(*run.context.map, info);
   if (!flags.mask.empty()) run.masks.emplace(flags.mask);
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
   run.context.pool = run.pool.get();

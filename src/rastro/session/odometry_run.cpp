@@ -72,6 +72,7 @@ class Runner {
   void sum_up() {
     OdometryResult& result = end_.result;
     end_.trajectory = run_.method->trajectory();
+    if (result.tracking + result.weak == 0) end_.trajectory.clear();  // nothing but poses of before the initialization
     end_.first_skip = reader_.first_skip();
     result.skipped_frames = reader_.skipped();
     result.warnings = input_.warnings();

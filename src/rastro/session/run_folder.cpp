@@ -49,24 +49,23 @@ constexpr const char* files_of_a_run[] = {"about.json",
   throw Error(what, folder.string(), remedy);
 }
 
-void remove_former_run(const fs::path& folder) {
+/// Images of an earlier, longer run would look like those of a new one.
+void add_images(const fs::path& folder, const std::string& begin, std::vector<fs::path>& files) {
   std::error_code code;
-  for (const char* name : files_of_a_run) {
-    fs::remove(folder / name, code);
-    if (code) refuse(folder / name, "cannot be replaced (" + code.message() + ")", "choose another --out");
-  }
-  // Images of an earlier, longer run would look like those of this one.
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (entry.path().filename().string().starts_with("match_") && entry.path().extension() == ".png") {
-      fs::remove(entry.path(), code);
-    }
-  }
-  for (const char* name : {"track_images", "pictures"}) {  // now and in the last release
-    if (!fs::is_directory(folder / name, code)) continue;
-    for (const auto& entry : fs::directory_iterator(folder / name, code)) {
-      if (entry.path().extension() == ".png") fs::remove(entry.path(), code);
-    }
-  }
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.path().extension() == ".png" && entry.path().filename().string().starts_with(begin))
+      files.push_back(entry.path());
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code code;
+  for (const char* name : files_of_a_run)
+    if (fs::is_regular_file(folder / name, code)) files.push_back(folder / name);
+  add_images(folder, "match_", files);
+  for (const char* name : {"track_images", "pictures"})
+    add_images(folder / name, "", files);  // now, in the last release
+  return files;
 }
 
 std::string processor_name() {
@@ -138,13 +137,24 @@ RunFolder::RunFolder(fs::path folder, bool overwrite) : folder_(std::move(folder
   const bool empty = fs::is_empty(folder_, code);
   if (code) refuse(folder_, "cannot be read (" + code.message() + ")", "choose another --out");
   if (!empty && !overwrite) refuse(folder_, "the folder is not empty", "choose another --out or add --force");
-  if (!empty) remove_former_run(folder_);
+  former_ = std::make_unique<FormerRun>(folder_, files_in(folder_));
+}
+
+RunFolder::~RunFolder() {
+  std::error_code ignored;
+  if (former_->is_aside() && !fs::exists(file("stats.csv"), ignored)) discard();
+}
+
+void RunFolder::write_result(const std::string& json) const {
+  write_whole_file(file("result.json"), json);
+  former_->remove();
 }
 
 void RunFolder::discard() const {
-  remove_former_run(folder_);
-  // remove() leaves nonempty folders alone.
   std::error_code ignored;
+  for (const fs::path& each : files_in(folder_)) fs::remove(each, ignored);
+  former_->bring_back();
+  // remove() leaves nonempty folders alone.
   fs::remove(folder_ / "track_images", ignored);
   fs::remove(folder_, ignored);
 }

@@ -65,7 +65,6 @@ TEST(RunFolder, RefusesToMixRuns) {
 
 TEST(RunFolder, DiscardLeavesOnlyOtherFiles) {
   const auto path = scratch_path("discard");
-  RunFolder(path, false).write_result("{}");
   std::filesystem::create_directories(path / "track_images");
   RunFolder(path, true).discard();
   EXPECT_FALSE(std::filesystem::exists(path));
@@ -75,6 +74,38 @@ TEST(RunFolder, DiscardLeavesOnlyOtherFiles) {
   folder.discard();
   EXPECT_FALSE(std::filesystem::exists(path / "result.json"));
   EXPECT_EQ(read_whole_file(path / "notes.txt"), "mine");
+}
+
+TEST(RunFolder, AFormerRunComesBackWhereTheNewOneHasNoFrame) {
+  const auto path = scratch_path("former");
+  const auto has_former = [&] {
+    return read_whole_file(path / "result.json") == "former" &&
+           read_whole_file(path / "track_images/1.png") == "picture" && !std::filesystem::exists(path / "former_run");
+  };
+  {
+    RunFolder former(path, false);
+    former.write_result("former");
+    std::filesystem::create_directories(path / "track_images");
+    write_whole_file(path / "track_images/1.png", "picture");
+  }
+  {
+    const RunFolder discarded(path, true);
+    EXPECT_FALSE(std::filesystem::exists(path / "result.json"));
+    write_whole_file(path / "map.rastro", "new");
+    discarded.discard();
+    EXPECT_TRUE(has_former());
+  }
+  { const RunFolder unused(path, true); }  // as by an error before the first frame
+  EXPECT_TRUE(has_former());
+  EXPECT_FALSE(std::filesystem::exists(path / "map.rastro"));
+  { RunFolder(path, true).add_stats(OdometryUpdate{}); }  // killed by a frame
+  EXPECT_FALSE(std::filesystem::exists(path / "result.json"));
+  EXPECT_EQ(read_whole_file(path / "former_run/result.json"), "former");
+  const RunFolder last(path, true);
+  last.write_result("last");
+  last.discard();
+  EXPECT_FALSE(std::filesystem::exists(path / "result.json")) << "it had been replaced";
+  EXPECT_FALSE(std::filesystem::exists(path / "former_run"));
 }
 
 TEST(RunFolder, RefusesAPathThatIsNoFolder) {

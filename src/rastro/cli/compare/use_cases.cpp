@@ -100,7 +100,7 @@ std::string range_text(const Comparison& comparison, const Candidate& candidate,
   std::optional<double> low, high;
   for (const std::size_t input : candidate.inputs) {
     const auto value = comparison.table.median(comparison.inputs[input].name, candidate.column, figure.name);
-    if (!value) continue;
+    if (!value || !std::isfinite(*value)) continue;
     low = std::min(low.value_or(*value), *value), high = std::max(high.value_or(*value), *value);
   }
   const std::string from = figure_text(figure, low), to = figure_text(figure, high);

@@ -9,6 +9,7 @@
 
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/lsd/lsd_motion.h"
+#include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/refinement/final_refinement.h"
 #include "rastro/slam/lsd/tracking/pose_check.h"
 #include "rastro/slam/map_budget.h"
@@ -17,12 +18,6 @@ namespace rastro {
 namespace {
 
 constexpr double memory_reserve_mb = 100.0;  // for everything except the map
-
-/// Of what was not in view before, the scale is known as well as the motion.
-double scale_variance_of_new(const ImageAlignment& tracked) {
-  const double is_new = 1.0 - tracked.overlap;
-  return is_new * is_new * std::min(1.0, tracked.motion_error() * tracked.motion_error());
-}
 
 /// Of the new keyframe relative to the one before, in the new one's unit.
 Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_from_new, double mean_inverse_depth,
@@ -36,7 +31,7 @@ Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_
   covariance += common_covariance(mean_inverse_depth);
   Constraint edge{before, id, before_from_new, covariance.inverse()};
   edge.inliers = tracked.points;
-  edge.scale_variance = scale_variance_of_new(tracked);
+  edge.scale_variance = scale_variance_of_new(share_of_new(tracked), tracked.motion_error());
   return edge;
 }
 
@@ -77,10 +72,16 @@ std::optional<Sim3> LsdMapping::process(const MappingInput& input, SlamUpdate& u
     return change_keyframe(input, update);
   }
   if (input.use == MappingInput::Use::refine) {
-    if (const auto tracked = on_newest(input)) depths_->refine(frame, *tracked);
+    if (const auto tracked = on_newest(input)) refine(frame, *tracked);
     update.times.push_back({"depth", stage.lap_ms()});
   }
   return std::nullopt;
+}
+
+void LsdMapping::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
+  depths_->refine(frame, tracked);
+  if (!is_finished_)
+    graph_.know_scale(depths_->id(), scale_variance_of_new(change_.share_of_new, tracked.motion_error()));
 }
 
 /// The alignment with the newest keyframe of a frame that was tracked on it, or on the one before. nullopt: it was
@@ -100,7 +101,7 @@ Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) 
   const std::int64_t before = depths_->id(), id = graph_.size();
   const Sim3 before_from_new = depths_->change_to(id, *input.frame, input.tracked, input.depth_from_color);
   is_finished_ = false;
-  change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset};
+  change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset, share_of_new(input.tracked)};
   graph_.add(depths_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
   graph_.add_edge(edge_to_new(before, id, before_from_new, depths_->mean_inverse_depth(), input.tracked));
   stay_within_budget(update);

@@ -71,10 +71,12 @@ class LsdMapping {
     std::int64_t before = -1;
     Sim3 before_from_new;
     double gain = 1.0, offset = 0.0;  ///< Intensity in the new one = gain * intensity before + offset.
+    double share_of_new = 0.0;        ///< Of its view, that was not in that of the one before.
   };
 
   Sim3 change_keyframe(const MappingInput& input, SlamUpdate& update);
   std::optional<Sim3> go_on_in_earlier(const MappingInput& input, SlamUpdate& update);
+  void refine(const LsdFrame& frame, const ImageAlignment& tracked);
   std::optional<ImageAlignment> on_newest(const MappingInput& input) const;
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);

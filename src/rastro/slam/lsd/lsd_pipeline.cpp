@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace rastro {
@@ -84,8 +85,7 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
   }
   MappingInput input{std::move(frame), current().id(), tracked, MappingInput::Use::place, {}};
   if (is_sure) input.use = MappingInput::Use::refine;
-  const bool knows_scale = is_metric_ || current().tells_scale(tracked);
-  if (is_sure && knows_scale && !is_changing_ && current().is_left_by(tracked)) {
+  if (is_sure && knows_scale(tracked) && !is_changing_ && current().is_left_by(tracked)) {
     input.use = MappingInput::Use::keyframe;
     input.depth_from_color = motion.within(input.frame->depth_stamp - input.frame->stamp);
     is_changing_ = true;
@@ -106,6 +106,15 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
   pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
 }
 
+/// Whether the map may go on from the frame: the scale of what comes into view follows from the motion.
+bool LsdPipeline::knows_scale(const ImageAlignment& tracked) const {
+  if (is_metric_) return true;
+  if (!current().tells_scale(tracked)) return false;
+  if (options_.start == "random") return true;
+  const double step = scale_variance_of_new(share_of_new(tracked), tracked.motion_error());
+  return std::sqrt(current_->scale_error * current_->scale_error + step) <= options_.max_keyframe_scale_error;
+}
+
 SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {
   const Sim3 pose = current_->world_from_keyframe * Sim3(camera_from_keyframe.inverse());
   return {pose.rotation(), pose.translation()};
@@ -113,7 +122,9 @@ SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {
 
 std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const {
   if (current_->submap != 0) return std::nullopt;
-  return uncertainty_.of_frame(aligned(tracked, world_from_camera));
+  AlignedFrame frame = aligned(tracked, world_from_camera);
+  if (current_->scale_error > options_.max_scale_error) frame.scale_error = current_->scale_error;
+  return uncertainty_.of_frame(frame);
 }
 
 AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const {
@@ -123,11 +134,13 @@ AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& worl
 
 void LsdPipeline::doubt(SlamUpdate& update) const {
   const bool is_apart = current_->submap != 0;
-  if (!is_apart && (is_metric_ || current_->scale_error <= options_.max_scale_error)) return;
+  if (!is_apart && current_->scale_error <= options_.max_scale_error) return;
   update.state = SlamState::weak;
   update.reason = is_apart ? SlamReason::apart : SlamReason::uncertain_scale;
-  update.detail = is_apart ? fmt::format("in submap {}, not connected to the first yet", current_->submap)
-                           : fmt::format("a fast turn left the scale known to {:.0f} %", 100.0 * current_->scale_error);
+  update.detail = is_apart
+                      ? fmt::format("in submap {}, not connected to the first yet", current_->submap)
+                      : fmt::format("the scale is uncertain by {:.0f} %: too little motion for what came into view",
+                                    100.0 * current_->scale_error);
 }
 
 }  // namespace rastro

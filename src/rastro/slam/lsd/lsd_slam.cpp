@@ -253,7 +253,6 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
   update.detail.clear();
   update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id), found->id});
   start_.reset();
-  doubt(update);
   return true;
 }
 

@@ -153,6 +153,14 @@ void add_loss_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add({"max_scale_error",
+             &o.max_scale_error,
+             "",
+             "standard deviation of the scale, as a share of it and beyond its drift, above which frames of one camera "
+             "are weak: in fast turns, until something tells the scale again",
+             0,
+             1000,
+             {}});
   table.add({"scale_drift_share",
              &o.scale_drift_share,
              "",
@@ -259,14 +267,15 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              1000,
              {}});
-  table.add({"max_scale_error",
-             &o.max_scale_error,
-             "",
-             "standard deviation of the scale, as a share of it, above which frames of one camera are weak: that of "
-             "what came into view in fast turns, until a known place is seen again",
-             0,
-             1000,
-             {}});
+  table.add(
+      {"max_keyframe_scale_error",
+       &o.max_keyframe_scale_error,
+       "",
+       "standard deviation of the scale, as a share of it and beyond its drift, above which a frame of one camera "
+       "becomes no keyframe: the camera is lost for a moment rather than followed at any scale",
+       0,
+       1000,
+       {}});
   table.add(
       {"keyframe_frames",
        &o.keyframe_frames,

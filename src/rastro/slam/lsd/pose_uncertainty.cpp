@@ -35,7 +35,8 @@ Matrix6d PoseUncertainty::of_frame(const AlignedFrame& frame) const {
   const Matrix6d own = errors_.alike * frame.alignment.covariance + common_covariance(frame.mean_inverse_depth);
   const Eigen::Vector3d position = frame.world_from_camera.translation();  // from the first keyframe
   Matrix6d covariance = keyframes_.of_pose(frame.keyframe, position, in_world(own, frame));
-  covariance.topLeftCorner<3, 3>() += errors_.scale * errors_.scale * position * position.transpose();
+  const double scale_variance = errors_.scale * errors_.scale + frame.scale_error * frame.scale_error;
+  covariance.topLeftCorner<3, 3>() += scale_variance * position * position.transpose();
   return covariance;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "rastro/backend/map_uncertainty.h"
@@ -16,6 +17,7 @@ struct AlignedFrame {
   double mean_inverse_depth = 0.0;  ///< Of the keyframe, in its unit.
   SE3 world_from_camera;
   ImageAlignment alignment;
+  double scale_error = 0.0;  ///< Of the keyframe's scale, as a share, beyond what scales drift.
 };
 
 /// How errors of the depths that frames are aligned by reach their poses.
@@ -30,6 +32,13 @@ inline DepthErrorModel errors_of_measured_depth() { return {2.0, 0.0, 0.003}; }
 constexpr double depths_alike_of_one_camera = 30.0;
 inline DepthErrorModel errors_of_one_camera(double scale_drift) {
   return {depths_alike_of_one_camera, scale_drift, 0.0};
+}
+
+/// About as much of a view is new as went out of it.
+inline double share_of_new(const ImageAlignment& tracked) { return 1.0 - tracked.overlap; }
+/// Of one camera's scale: of what is new, it is known as well as the motion that its depths follow from.
+inline double scale_variance_of_new(double share_of_new, double motion_error) {
+  return share_of_new * share_of_new * std::min(1.0, depths_alike_of_one_camera * motion_error * motion_error);
 }
 
 /// Covariances of poses in the world's axes and unit, as of SlamUpdate::covariance: that of an alignment, and those of

@@ -53,22 +53,76 @@ void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, cons
   keyframes_.push_back(std::move(keyframe));
   poses_.push_back(world_from_keyframe);
   submaps_.push_back(submap);
-  links_.emplace_back();
+  links_.push_back({{}, false, std::numeric_limits<std::size_t>::max()});
   ++revision_;
 }
 
 void SemiDenseGraph::add_edge(const Constraint& edge) {
   Links &from = links_[static_cast<std::size_t>(edge.from)], &to = links_[static_cast<std::size_t>(edge.to)];
-  const double along = from.scale_variance + edge.scale_variance;
   if (edge.kind == ConstraintKind::odometry) {
     from.odometry.push_back(edge.to);
     to.odometry.push_back(edge.from);
-    to.scale_variance = metric_ ? 0.0 : along;
+    to.step = edges_.size();
+    if (has_scale_errors_) to.scale_variance = from.scale_variance + beyond_drift(edge.scale_variance);
   } else if (edge.kind != ConstraintKind::proximity) {
     to.closes_loop = true;
-    to.scale_variance = std::min(to.scale_variance, along);
   }
-  edges_.push_back(with_scale_errors(edge));
+  edges_.push_back(has_scale_errors_ ? with_mixed_scales(edge) : edge);
+}
+
+/// Depths that came into view in a fast turn have another scale than those from before: what is aligned by both is
+/// shifted and turned, by that share of the motion, and of the angle under which it is seen from the mean distance.
+Constraint SemiDenseGraph::with_mixed_scales(const Constraint& edge) const {
+  const bool is_by_both = edge.kind != ConstraintKind::odometry;
+  const double variance = std::max(step_variance(edge.from), is_by_both ? step_variance(edge.to) : 0.0);
+  const double motion = edge.from_from_to.translation().norm() / edge.from_from_to.scale();
+  const double angle = motion * keyframe(edge.to).mean_inverse_depth;
+  Matrix6d covariance = edge.information.inverse();
+  covariance.topLeftCorner<3, 3>().diagonal().array() += variance * motion * motion;
+  covariance.bottomRightCorner<3, 3>().diagonal().array() += variance * angle * angle;
+  const Matrix6d information = covariance.inverse();
+  Constraint result = edge;
+  result.information = 0.5 * (information + information.transpose());
+  return result;
+}
+
+double SemiDenseGraph::step_variance(std::int64_t id) const {
+  const std::size_t step = links_[static_cast<std::size_t>(id)].step;
+  return step < edges_.size() ? edges_[step].scale_variance : 0.0;
+}
+
+void SemiDenseGraph::know_scale(std::int64_t id, double scale_variance_of_new) {
+  Links& links = links_[static_cast<std::size_t>(id)];
+  if (!has_scale_errors_ || step_variance(id) <= scale_variance_of_new) return;
+  Constraint& step = edges_[links.step];
+  step.scale_variance = scale_variance_of_new;
+  const double along = links_[static_cast<std::size_t>(step.from)].scale_variance + beyond_drift(scale_variance_of_new);
+  links.scale_variance = std::min(links.scale_variance, along);
+}
+
+double SemiDenseGraph::beyond_drift(double scale_variance) const {
+  constexpr double sigmas = 2.0;
+  return std::max(0.0, scale_variance - std::pow(sigmas * options_.scale_drift_share, 2));
+}
+
+/// Shortest paths from the first keyframe of each submap.
+void SemiDenseGraph::update_scale_errors() {
+  constexpr double least_weight = 0.5;
+  std::set<int> begun;
+  for (std::size_t k = 0; k < links_.size(); ++k)
+    links_[k].scale_variance = begun.insert(submaps_[k]).second ? 0.0 : std::numeric_limits<double>::infinity();
+  for (bool is_changed = true; is_changed;) {
+    is_changed = false;
+    for (const Constraint& edge : edges_) {
+      if (edge.weight < least_weight) continue;
+      double &from = links_[static_cast<std::size_t>(edge.from)].scale_variance,
+             &to = links_[static_cast<std::size_t>(edge.to)].scale_variance;
+      const double along = beyond_drift(edge.scale_variance);
+      is_changed |= from + along < to || to + along < from;
+      to = std::min(to, from + along);
+      from = std::min(from, to + along);
+    }
+  }
 }
 
 std::vector<std::int64_t> SemiDenseGraph::within_steps(std::int64_t id, int steps) const {
@@ -132,22 +186,6 @@ void SemiDenseGraph::merge(const Constraint& edge) {
   }
 }
 
-/// Depths whose scales differ from each other's by that much shift and turn what is aligned by them: by that share of
-/// the motion, and of the angle under which it is seen from the mean distance.
-Constraint SemiDenseGraph::with_scale_errors(const Constraint& edge) const {
-  const double error = std::max(scale_error(edge.from), scale_error(edge.to));
-  if (error == 0.0) return edge;
-  const double motion = edge.from_from_to.translation().norm() / edge.from_from_to.scale();
-  const double angle = motion * keyframe(edge.to).mean_inverse_depth;
-  Matrix6d covariance = edge.information.inverse();
-  covariance.topLeftCorner<3, 3>().diagonal().array() += error * error * motion * motion;
-  covariance.bottomRightCorner<3, 3>().diagonal().array() += error * error * angle * angle;
-  const Matrix6d information = covariance.inverse();
-  Constraint result = edge;
-  result.information = 0.5 * (information + information.transpose());
-  return result;
-}
-
 void SemiDenseGraph::optimize() {
   std::vector<std::uint8_t> fixed(poses_.size(), 0);
   std::vector<int> anchored;
@@ -162,6 +200,7 @@ void SemiDenseGraph::optimize() {
   options.fix_scale = metric_;
   options.scale_information = 1.0 / (scale_sigma * scale_sigma);
   optimize_pose_graph(poses_, edges_, fixed, options);
+  if (has_scale_errors_) update_scale_errors();
   ++revision_;
 }
 

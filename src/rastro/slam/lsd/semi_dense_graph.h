@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -47,7 +48,8 @@ Matrix6d common_covariance(double mean_inverse_depth);
 class SemiDenseGraph {
  public:
   /// `metric`: all scales are 1.
-  SemiDenseGraph(const LsdOptions& options, bool metric) : options_(options), metric_(metric) {}
+  SemiDenseGraph(const LsdOptions& options, bool metric)
+      : options_(options), metric_(metric), has_scale_errors_(!metric && options.start != "random") {}
 
   /// Its id must be size().
   void add(std::shared_ptr<const SemiDenseKeyframe> keyframe, const Sim3& world_from_keyframe, int submap);
@@ -57,8 +59,11 @@ class SemiDenseGraph {
   void add_words(std::int64_t id, const BagOfWords& words) {
     if (!places_.contains(id)) places_.add(id, words);
   }
-  /// Relative poses are in the units of the keyframes themselves. Where the scale is uncertain, the edge knows less.
+  /// Relative poses are in the units of the keyframes themselves. What is aligned by depths of several scales is known
+  /// less, and the edge is kept so.
   void add_edge(const Constraint& edge);
+  /// The depths of a keyframe became better: of what came into view in it, the scale is known as well as that.
+  void know_scale(std::int64_t id, double scale_variance_of_new);
   /// Drops image and depths of the oldest keyframe that has them, but for the last `kept`. False: there is none.
   bool forget_oldest(std::int64_t kept);
   std::size_t bytes() const;
@@ -79,9 +84,12 @@ class SemiDenseGraph {
   const std::vector<Constraint>& edges() const { return edges_; }
   /// Whether it has a constraint with a keyframe of an earlier visit.
   bool closes_loop(std::int64_t id) const { return links_[static_cast<std::size_t>(id)].closes_loop; }
-  /// Standard deviation, as a share, by the motions from which depths of what came into view follow: in a fast turn of
-  /// one camera they are hardly known. A loop ties a keyframe to what is known better.
-  double scale_error(std::int64_t id) const { return std::sqrt(links_[static_cast<std::size_t>(id)].scale_variance); }
+  /// Standard deviation, as a share, of its scale relative to the first keyframe of its submap, beyond ordinary drift:
+  /// in a fast turn of one camera the motions are hardly known from which depths of what comes into view follow. By the
+  /// constraints that tell most, of those that the last optimization did not switch off. At most 1: unknown.
+  double scale_error(std::int64_t id) const {
+    return std::sqrt(std::min(1.0, links_[static_cast<std::size_t>(id)].scale_variance));
+  }
   /// Keyframes so few steps of odometry away, but for itself; sorted. Where the camera came back to an early one and
   /// went on from there, these are not those with the nearest numbers.
   std::vector<std::int64_t> within_steps(std::int64_t id, int steps) const;
@@ -112,16 +120,21 @@ class SemiDenseGraph {
   int largest_submap() const;
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;
-  Constraint with_scale_errors(const Constraint& edge) const;
+  Constraint with_mixed_scales(const Constraint& edge) const;
+  double step_variance(std::int64_t id) const;
+  double beyond_drift(double scale_variance) const;
+  void update_scale_errors();
 
   struct Links {
     std::vector<std::int64_t> odometry;  ///< Made of it, or it of them.
     bool closes_loop = false;
-    double scale_variance = 0.0;
+    std::size_t step = 0;         ///< Index of the edge of the keyframe it was made of; size(): it begins a submap.
+    double scale_variance = 0.0;  ///< scale_error(), squared.
   };
 
   LsdOptions options_;
   bool metric_;
+  bool has_scale_errors_;  ///< Depths that begin at random have no scale to be in error of.
   std::vector<std::shared_ptr<const SemiDenseKeyframe>> keyframes_;
   std::vector<Sim3> poses_;
   std::vector<int> submaps_;

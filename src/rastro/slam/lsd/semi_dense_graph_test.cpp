@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 
 namespace rastro {
@@ -56,60 +58,102 @@ TEST(SemiDenseGraph, StepsFollowWhatWasMadeOfWhat) {
   EXPECT_EQ(graph.within_steps(1, 10), (std::vector<std::int64_t>{0, 2, 3, 4, 5}));
 }
 
-SemiDenseGraph graph_without_depths(bool metric, std::int64_t keyframes, double way) {
-  SemiDenseGraph graph({}, metric);
+SemiDenseGraph graph_without_depths(bool metric, std::int64_t keyframes, double length) {
+  LsdOptions options;
+  options.scale_drift_share = 0.0;
+  SemiDenseGraph graph(options, metric);
   for (std::int64_t id = 0; id < keyframes; ++id) {
     const SemiDenseKeyframe keyframe{id, id, id, GrayImage(), InverseDepthMap()};
     graph.add(std::make_shared<const SemiDenseKeyframe>(keyframe),
-              Sim3(1.0, SO3(), {static_cast<double>(id) * way, 0.0, 0.0}), 0);
+              Sim3(1.0, SO3(), {static_cast<double>(id) * length, 0.0, 0.0}), 0);
   }
   return graph;
 }
 
-Constraint step(std::int64_t from, std::int64_t to, double way, double scale_variance = 0.0) {
-  Constraint edge{from, to, Sim3(1.0, SO3(), {way, 0.0, 0.0}), 1e3 * Matrix6d::Identity()};
+Constraint edge_of(std::int64_t from, std::int64_t to, double length, double scale_variance = 0.0,
+                   ConstraintKind kind = ConstraintKind::odometry) {
+  Constraint edge{from, to, Sim3(1.0, SO3(), {length, 0.0, 0.0}), 1e3 * Matrix6d::Identity(), kind};
   edge.scale_variance = scale_variance;
   return edge;
 }
 
-TEST(SemiDenseGraph, TheScaleIsAsUncertainAsTheMotionsInATurnUntilALoopTellsIt) {
+TEST(SemiDenseGraph, TheScaleIsAsUncertainAsWhatTellsItBest) {
   for (const bool metric : {false, true}) {
     SemiDenseGraph graph = graph_without_depths(metric, 4, 1.0);
-    graph.add_edge(step(0, 1, 1.0));
-    graph.add_edge(step(1, 2, 1.0, 0.09));
-    graph.add_edge(step(2, 3, 1.0, 0.16));
-    EXPECT_EQ(graph.scale_error(1), 0.0);
-    EXPECT_NEAR(graph.scale_error(2), metric ? 0.0 : 0.3, 1e-12);
-    EXPECT_NEAR(graph.scale_error(3), metric ? 0.0 : 0.5, 1e-12);
-    Constraint loop = step(0, 3, 3.0, 1.0);
-    loop.kind = ConstraintKind::loop;
-    graph.add_edge(loop);
-    EXPECT_NEAR(graph.scale_error(3), metric ? 0.0 : 0.5, 1e-12) << "it knows less";
-    loop.scale_variance = 0.01;
-    graph.add_edge(loop);
-    EXPECT_NEAR(graph.scale_error(3), metric ? 0.0 : 0.1, 1e-12);
+    graph.add_edge(edge_of(0, 1, 1.0));
+    graph.add_edge(edge_of(1, 2, 1.0, 0.16));
+    graph.add_edge(edge_of(2, 3, 1.0, 0.09));
+    const auto expect = [&](double of_2, double of_3, const char* when) {
+      EXPECT_EQ(graph.scale_error(1), 0.0) << when;
+      EXPECT_NEAR(graph.scale_error(2), metric ? 0.0 : of_2, 1e-9) << when;
+      EXPECT_NEAR(graph.scale_error(3), metric ? 0.0 : of_3, 1e-9) << when;
+    };
+    expect(0.4, 0.5, "by the motions alone");
+    graph.know_scale(3, 0.2);
+    expect(0.4, 0.5, "worse than known");
+    graph.add_edge(edge_of(0, 3, 3.0, 0.81, ConstraintKind::loop));
+    graph.optimize();
+    expect(0.4, 0.5, "a loop that knows less");
+    graph.add_edge(edge_of(0, 3, 0.1, 0.01, ConstraintKind::loop));
+    graph.optimize();
+    expect(0.4, 0.5, "a loop that all others contradict");
+    graph.add_edge(edge_of(0, 3, 3.0, 0.01, ConstraintKind::loop));
+    graph.optimize();
+    expect(std::sqrt(0.1), 0.1, "a loop that fits, and back from there");
+    graph.know_scale(2, 0.04);
+    expect(0.2, 0.1, "better depths");
   }
 }
 
-TEST(SemiDenseGraph, WhatALoopCorrectsIsCorrectedWhereTheScaleIsUncertain) {
-  double first = 0.0;
+TEST(SemiDenseGraph, AnotherSubmapsScaleIsAsUncertainAsThatOfTheKeyframeItIsJoinedTo) {
+  SemiDenseGraph graph = graph_without_depths(false, 2, 1.0);
+  graph.add_edge(edge_of(0, 1, 1.0, 0.09));
+  const SemiDenseKeyframe apart{2, 2, 2, GrayImage(), InverseDepthMap()};
+  graph.add(std::make_shared<const SemiDenseKeyframe>(apart), Sim3(1.0, SO3(), {2.0, 0.0, 0.0}), 1);
+  EXPECT_EQ(graph.scale_error(2), 0.0) << "relative to itself";
+  const Constraint joint = edge_of(1, 2, 1.0, 0.16, ConstraintKind::merge);
+  graph.merge(joint);
+  graph.add_edge(joint);
+  graph.optimize();
+  EXPECT_NEAR(graph.scale_error(1), 0.3, 1e-9);
+  EXPECT_NEAR(graph.scale_error(2), 0.5, 1e-9);
+}
+
+TEST(SemiDenseGraph, WhatALoopCorrectsIsCorrectedWhereDepthsHaveSeveralScales) {
+  double first_of_all = 0.0;
   for (const double turn_variance : {0.0, 0.04}) {
-    SemiDenseGraph graph = graph_without_depths(false, 5, 0.95);
-    for (std::int64_t id = 1; id < 5; ++id)
-      graph.add_edge(step(id - 1, id, id == 4 ? 0.8 : 1.0, id == 4 ? turn_variance : 0.0));
-    Constraint loop = step(0, 4, 4.0);
-    loop.kind = ConstraintKind::loop;
-    graph.add_edge(loop);
+    SemiDenseGraph graph = graph_without_depths(false, 6, 0.96);
+    for (std::int64_t id = 1; id < 6; ++id)
+      graph.add_edge(edge_of(id - 1, id, id == 3 ? 0.8 : 1.0, id == 2 ? turn_variance : 0.0));
+    graph.add_edge(edge_of(0, 5, 5.0, 0.0, ConstraintKind::loop));
     graph.optimize();
-    const double moved = graph.pose(1).translation().x() - 1.0;
+    const auto length = [&](std::int64_t from) {
+      return (graph.pose(from + 1).translation() - graph.pose(from).translation()).norm();
+    };
     if (turn_variance == 0.0) {
-      first = moved;
-      EXPECT_GT(moved, 0.03) << "a part of 0.2 in each step";
-    } else {
-      EXPECT_LT(moved, 0.25 * first);
-      EXPECT_NEAR(graph.pose(4).translation().x(), 4.0, 0.01);
+      first_of_all = length(0) - 1.0;
+      EXPECT_GT(first_of_all, 0.02) << "a part of 0.2 in each";
+      continue;
     }
+    // Keyframe 2 has depths of two scales, and 3 is aligned by them.
+    for (const std::int64_t other : {0, 1, 3, 4}) EXPECT_LT(std::abs(length(other) - 1.0), 0.5 * first_of_all) << other;
+    EXPECT_GT(length(2), 0.95);
   }
+}
+
+TEST(SemiDenseGraph, AnEdgeThatDepthsOfSeveralScalesTellIsKeptAsUncertain) {
+  SemiDenseGraph graph = graph_without_depths(false, 3, 1.0);
+  Constraint edge = edge_of(0, 1, 0.4, 0.25);
+  edge.from_from_to = Sim3(2.0, SO3(), {0.4, 0.0, 0.0});
+  edge.information = 1e8 * Matrix6d::Identity();
+  graph.add_edge(edge_of(2, 0, 1.0, 0.25));
+  graph.add_edge(edge);
+  const Matrix6d covariance = graph.edges().back().information.inverse();
+  EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5 * 0.4 / 2.0, 1e-4) << "half of the motion, in the unit of keyframe 1";
+  EXPECT_NEAR(std::sqrt(covariance(5, 5)), 0.5 * 0.4 / 2.0, 1e-4) << "radians, at the mean distance of 1";
+  graph.know_scale(0, 0.0);
+  graph.add_edge(edge);
+  EXPECT_NEAR(graph.edges().back().information(0, 0), 1e8, 1.0) << "its depths became better";
 }
 
 }  // namespace
