@@ -154,8 +154,8 @@ int run_track(const TrackFlags& flags) {
   finish_recording(prepared->input, end.result.live);
   end.result.result_sha256 = outputs.result_sha256();
   end.result.options_sha256 = hash_of(header);
-  folder.write_result(to_json(end.result));
-  if (end.result.frames == 0 && !end.result.interrupted) folder.discard();
+  const bool has_frames = end.result.frames > 0 || end.result.interrupted;
+  has_frames ? folder.write_result(to_json(end.result)) : folder.discard();
   refuse_empty_run(end, flags.data.path);
   if (flags.data.json) {
     fmt::print("{}", to_json(end.result));
