@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/lsd/semi_dense_graph.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -67,23 +66,7 @@ void SemiDenseGraph::add_edge(const Constraint& edge) {
   } else if (edge.kind != ConstraintKind::proximity) {
     to.closes_loop = true;
   }
-  edges_.push_back(has_scale_errors_ ? with_mixed_scales(edge) : edge);
-}
-
-/// Depths that came into view in a fast turn have another scale than those from before: what is aligned by both is
-/// shifted and turned, by that share of the motion, and of the angle under which it is seen from the mean distance.
-Constraint SemiDenseGraph::with_mixed_scales(const Constraint& edge) const {
-  const bool is_by_both = edge.kind != ConstraintKind::odometry;
-  const double variance = std::max(step_variance(edge.from), is_by_both ? step_variance(edge.to) : 0.0);
-  const double motion = edge.from_from_to.translation().norm() / edge.from_from_to.scale();
-  const double angle = motion * keyframe(edge.to).mean_inverse_depth;
-  Matrix6d covariance = edge.information.inverse();
-  covariance.topLeftCorner<3, 3>().diagonal().array() += variance * motion * motion;
-  covariance.bottomRightCorner<3, 3>().diagonal().array() += variance * angle * angle;
-  const Matrix6d information = covariance.inverse();
-  Constraint result = edge;
-  result.information = 0.5 * (information + information.transpose());
-  return result;
+  edges_.push_back(edge);
 }
 
 double SemiDenseGraph::step_variance(std::int64_t id) const {

@@ -59,8 +59,7 @@ class SemiDenseGraph {
   void add_words(std::int64_t id, const BagOfWords& words) {
     if (!places_.contains(id)) places_.add(id, words);
   }
-  /// Relative poses are in the units of the keyframes themselves. What is aligned by depths of several scales is known
-  /// less, and the edge is kept so.
+  /// Relative poses are in the units of the keyframes themselves.
   void add_edge(const Constraint& edge);
   /// The depths of a keyframe became better: of what came into view in it, the scale is known as well as that.
   void know_scale(std::int64_t id, double scale_variance_of_new);
@@ -120,7 +119,6 @@ class SemiDenseGraph {
   int largest_submap() const;
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;
-  Constraint with_mixed_scales(const Constraint& edge) const;
   double step_variance(std::int64_t id) const;
   double beyond_drift(double scale_variance) const;
   void update_scale_errors();
