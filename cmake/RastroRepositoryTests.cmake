@@ -23,7 +23,7 @@ endif()
 if(RASTRO_BUILD_PROGRAM AND NOT RASTRO_SANITIZERS)
   add_test(NAME repository.broken_inputs
     COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/tests/broken_inputs.py" "$<TARGET_FILE:rastro_program>"
-            "${PROJECT_BINARY_DIR}/broken_inputs" --count 60 --jobs 2)
+            "${PROJECT_BINARY_DIR}/broken_inputs" --count 48 --jobs 2)
   set_tests_properties(repository.broken_inputs PROPERTIES TIMEOUT 300)
 endif()
 

@@ -3,7 +3,7 @@
 """Runs every command on generated inputs that were broken in one place: broken_inputs.py PROGRAM WORK_FOLDER [--count N] [--seed S]
 
 Each must end with exit code 0, 1 or 2, within 10 s, with at most two lines on standard error. A failure names the number of its
-input; --only NUMBER repeats it and keeps its files. ctest runs 60; before a release: --count 5000."""
+input; --only NUMBER repeats it and keeps its files. ctest runs 48; before a release: --count 5000."""
 import argparse
 import os
 import random

@@ -62,7 +62,7 @@ struct LsdOptions {
   double keyframe_overlap = 0.85;
   double keyframe_residual = 5.0;
   double max_motion_error = 0.3;
-  double max_keyframe_scale_error = 0.35;
+  double max_keyframe_scale_error = 0.3;
   int keyframe_frames = 2;
   int earlier_frames = 2;
   double return_share = 0.75;
