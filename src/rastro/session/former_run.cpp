@@ -17,6 +17,14 @@ constexpr const char* aside = "former_run";
 
 FormerRun::FormerRun(fs::path folder, std::vector<fs::path> files) : folder_(std::move(folder)) {
   std::error_code code;
+  if (files.empty()) return;
+  if (fs::is_directory(folder_ / aside, code) && !fs::exists(folder_ / "stats.csv", code)) {
+    // The last run was killed before its first frame: what it set aside is still the former one.
+    for (const fs::path& file : files) fs::remove(file, code);
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / aside, code))
+      if (entry.is_regular_file(code)) files_.push_back(entry.path().lexically_relative(folder_ / aside));
+    return;
+  }
   fs::remove_all(folder_ / aside, code);
   for (const fs::path& file : files) {
     const fs::path target = folder_ / aside / file.lexically_relative(folder_);

@@ -98,6 +98,13 @@ TEST(RunFolder, AFormerRunComesBackWhereTheNewOneHasNoFrame) {
   { const RunFolder unused(path, true); }  // as by an error before the first frame
   EXPECT_TRUE(has_former());
   EXPECT_FALSE(std::filesystem::exists(path / "map.rastro"));
+  std::filesystem::create_directories(path / "former_run/track_images");
+  std::filesystem::rename(path / "track_images/1.png", path / "former_run/track_images/1.png");
+  std::filesystem::rename(path / "result.json", path / "former_run/result.json");
+  write_whole_file(path / "about.json", "killed before its first frame");
+  { const RunFolder unused(path, true); }
+  EXPECT_TRUE(has_former());
+  EXPECT_FALSE(std::filesystem::exists(path / "about.json"));
   { RunFolder(path, true).add_stats(OdometryUpdate{}); }  // killed by a frame
   EXPECT_FALSE(std::filesystem::exists(path / "result.json"));
   EXPECT_EQ(read_whole_file(path / "former_run/result.json"), "former");
