@@ -21,7 +21,7 @@ deps:  ## install the Debian packages a build needs (quick when nothing is missi
 configure: deps
 	@cmake --preset $(PRESET)
 
-demo: configure  ## generate the world `hall`, track it, score it; pictures, video and tables in results/demo
+demo: configure  ## generate three worlds, track and map them, score the results; pictures, video, maps and tables in results/demo
 	cmake --build $(BUILD) --parallel $(JOBS) --target rastro_program
 	@scripts/demo $(RASTRO) $(DEMO)
 

@@ -14,6 +14,7 @@ namespace {
 constexpr double smallest_field_of_view_deg = 10.0;
 constexpr double largest_field_of_view_deg = 150.0;
 constexpr double largest_focal_length_ratio = 1.05;
+constexpr double least_pincushion = 0.75, largest_tangential = 0.05;
 constexpr double farthest_principal_point = 0.2;  // Share of the image's size, from its center.
 
 void check_field_of_view(const Camera& camera, std::vector<std::string>& warnings) {
@@ -52,12 +53,32 @@ void check_principal_point(const Camera& camera, std::vector<std::string>& warni
   }
 }
 
+/// What no lens does: rows and columns bent outward by much, or a sensor tilted by much.
+void check_distortion_size(const Camera& camera, std::vector<std::string>& warnings) {
+  if (camera.distortion == Distortion::equidistant) return;
+  double narrowest = 1.0;
+  for (const double x : {0.0, camera.width - 1.0})
+    for (const double y : {0.0, camera.height - 1.0}) {
+      const Eigen::Vector2d distorted((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
+      if (const auto ray = camera.unproject({x, y})) narrowest = std::min(narrowest, ray->norm() / distorted.norm());
+    }
+  const double tangential = std::max(std::abs(camera.coefficients[2]), std::abs(camera.coefficients[3]));
+  if (narrowest > least_pincushion && tangential < largest_tangential) return;
+  warnings.push_back(fmt::format(
+      "the distortion is larger than that of a lens (it moves a corner outward to {:.2g} times its distance, "
+      "tangential coefficients up to {:.2g}): are the coefficients in the right order, and of this model?",
+      1.0 / narrowest, tangential));
+}
+
 void check_distortion(const Camera& camera, std::vector<std::string>& warnings) {
   if (camera.distortion == Distortion::none) return;
   int lost = 0;
   for (const double x : {0.0, camera.width - 1.0})
     for (const double y : {0.0, camera.height - 1.0}) lost += camera.unproject({x, y}) ? 0 : 1;
-  if (lost == 0) return;
+  if (lost == 0) {
+    check_distortion_size(camera, warnings);
+    return;
+  }
   warnings.push_back(
       fmt::format("the distortion folds back inside the image ({} of 4 corners have no ray; the model grows "
                   "only up to a radius of {:.3g} focal lengths): are the coefficients in the right order, "

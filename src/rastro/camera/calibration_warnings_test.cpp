@@ -46,6 +46,16 @@ TEST(CalibrationWarnings, PrincipalPoint) {
   EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("outside the 752x480 image")));
 }
 
+TEST(CalibrationWarnings, DistortionThatNoLensHas) {
+  Camera camera = euroc();
+  camera.coefficients = {5.0, 0.0, 0.0, 0.0};
+  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("larger than that of a lens")));
+  camera.coefficients = {0.0, 0.0, 0.1, 0.0};
+  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("tangential coefficients up to 0.1")));
+  camera.coefficients = {0.26, -0.95, -0.005, 0.003, 1.16};
+  EXPECT_THAT(calibration_warnings(camera), ElementsAre());
+}
+
 TEST(CalibrationWarnings, DistortionThatFoldsBackInsideTheImage) {
   Camera camera = euroc();
   std::swap(camera.coefficients[0], camera.coefficients[1]);

@@ -37,7 +37,8 @@ void add_input_warnings(const std::string& path, OpenOptions options, CheckRepor
       continue;
     }
   }
-  for (const InputWarning& warning : monitor.warnings()) report.warnings.push_back(warning.text);
+  for (const InputWarning& warning : monitor.warnings())
+    if (warning.kind != "stamps_backward") report.warnings.push_back(warning.text);  // Listed one by one already.
 }
 
 constexpr const char* footer =

@@ -26,7 +26,8 @@ constexpr const char* footer =
 (timestamp,x,y,z,qw,qx,qy,qz,...), or run folders (their trajectory.txt); REF may also be a recording with ground truth. Format
 and unit of the timestamps are detected.
   matched     poses of REF and EST whose timestamps differ by at most --max-dt, nearest first, one to one. KITTI poses have the
-              timestamps of FILE_times.txt or times.txt beside them; two KITTI files are matched line by line
+              timestamps of FILE_times.txt or times.txt beside them; two KITTI files are matched line by line,
+              unless they differ in length and both have timestamps
   coverage    % of the poses of REF within 0.6 steps of a matched pose; step: the longer median step of REF and EST (EST's at
               most 0.1 s). Of the ground truth of a EuRoC or TUM recording only the part between its first and last frame
               counts. Do not rank estimates of different coverage
@@ -156,6 +157,15 @@ void warn_of_few(const TrajectoryScores& scores) {
                           one_line(scores.estimate), scores.pairs.size() == 1 ? "1 pose is" : "2 poses are"));
 }
 
+void warn_of_other_length(const TrajectoryInput& reference, const TrajectoryInput& estimate,
+                          const TrajectoryScores& scores) {
+  if (!scores.pairing.by_index || reference.poses.size() == estimate.poses.size()) return;
+  log_warning(
+      fmt::format("{} has {} poses and {} {}: they are matched line by line from the first, which is right only "
+                  "if both begin with the same frame and skip none; KITTI's times.txt beside both tells",
+                  one_line(estimate.file), estimate.poses.size(), one_line(reference.file), reference.poses.size()));
+}
+
 int evaluate_trajectory(const Flags& flags) {
   const TrajectoryScoreOptions options = score_options(flags);
   std::vector<ScoreLimit> limits;
@@ -167,6 +177,7 @@ int evaluate_trajectory(const Flags& flags) {
   for (const std::string& path : flags.estimates) {
     estimates.push_back(read_estimate(path, reference, flags.files));
     all.push_back(score_trajectory(reference.input, estimates.back(), options));
+    warn_of_other_length(reference.input, estimates.back(), all.back());
     all.back().frames = reference.frames;
     all.back().consistency =
         consistency_of_run(path, reference, estimates.back(), all.back().scale(), options.max_difference);

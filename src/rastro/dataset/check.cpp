@@ -7,31 +7,19 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/dataset/check_judgment.h"
 #include "rastro/dataset/check_scans.h"
 #include "rastro/dataset/image_file.h"
 #include "rastro/dataset/laser_log/open_log.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/dataset/video/video.h"
-#include "rastro/math/median.h"
-#include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
 namespace {
 
 using Progress = std::function<void(std::int64_t, std::int64_t)>;
 
-constexpr double longest_usual_step = 1.5;             // Of the median step.
-constexpr TimeNs ground_truth_tolerance = 20'000'000;  // At the ends of the trajectory.
-constexpr TimeNs shortest_ground_truth_gap =
-    200'000'000;                         // Poses farther apart than this (or two steps) say nothing between.
-constexpr double fewest_readable = 0.5;  // Share of the images.
 constexpr TimeNs bin_width = 5'000'000;  // Of the depth offset histogram.
-
-/// The frames' numbers and stamps, whether they could be read or not.
-struct Stamps {
-  std::vector<std::int64_t> frames;
-  std::vector<TimeNs> stamps;
-};
 
 /// Keeps what broke, and says whether the image may be used.
 template <typename Read>
@@ -114,11 +102,11 @@ class ImageCheck {
   double depth_pixels_ = 0.0;
 };
 
-Stamps check_recording(CheckReport& report, const Recording& recording, const OpenOptions& options,
-                       const Progress& progress) {
+FrameStamps check_recording(CheckReport& report, const Recording& recording, const OpenOptions& options,
+                            const Progress& progress) {
   const FrameChoice choice(options, static_cast<std::int64_t>(recording.frames.size()), recording.info.path);
   report.frames_chosen = choice.count;
-  Stamps stamps;
+  FrameStamps stamps;
   ImageCheck images(report);
   for (std::int64_t k = 0; k < choice.count; ++k) {
     const auto index = choice.index(k);
@@ -132,14 +120,6 @@ Stamps check_recording(CheckReport& report, const Recording& recording, const Op
   return stamps;
 }
 
-TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
-  std::vector<TimeNs> steps;
-  for (std::size_t k = 1; k < stamps.size(); ++k) {
-    if (stamps[k] > stamps[k - 1]) steps.push_back(stamps[k] - stamps[k - 1]);
-  }
-  return upper_median_or(std::move(steps), TimeNs{0});
-}
-
 /// Some containers only estimate the number of frames, from length and rate: a pause is no end before the time.
 bool ends_early(const std::vector<TimeNs>& stamps, std::int64_t frame_count) {
   if (stamps.size() < 2) return true;
@@ -148,8 +128,8 @@ bool ends_early(const std::vector<TimeNs>& stamps, std::int64_t frame_count) {
   return static_cast<double>(stamps.back() - stamps.front()) + step < share * step * static_cast<double>(frame_count);
 }
 
-Stamps check_video(CheckReport& report, Source& video, const OpenOptions& options, const Progress& progress) {
-  Stamps stamps;
+FrameStamps check_video(CheckReport& report, Source& video, const OpenOptions& options, const Progress& progress) {
+  FrameStamps stamps;
   report.frames_chosen = -1;
   try {
     while (const auto frame = video.next()) {
@@ -179,10 +159,10 @@ double measured_share(const DepthImage& depth) {
 }
 
 /// Scans, landmarks and bags: whatever next() gives, going on after broken frames.
-Stamps check_log(CheckReport& report, Source& log, const OpenOptions& options, const Progress& progress) {
+FrameStamps check_log(CheckReport& report, Source& log, const OpenOptions& options, const Progress& progress) {
   const FrameChoice choice(options, report.info.frame_count, report.info.path);
   report.frames_chosen = choice.count;
-  Stamps stamps;
+  FrameStamps stamps;
   ScanCheck scans(report);
   double measured_percent = 0.0;
   for (std::int64_t k = 0; k < choice.count; ++k) {
@@ -208,91 +188,11 @@ Stamps check_log(CheckReport& report, Source& log, const OpenOptions& options, c
   return stamps;
 }
 
-void judge_stamps(CheckReport& report, const Stamps& all) {
-  const auto& stamps = all.stamps;
-  const TimeNs median = median_forward_step(stamps);
-  if (median > 0) report.stamps.rate_hz = 1e9 / static_cast<double>(median);
-  if (!stamps.empty()) {
-    const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
-    report.stamps.duration_s = to_seconds(*last - *first);
-  }
-  for (std::size_t k = 1; k < stamps.size(); ++k) {
-    if (stamps[k] == stamps[k - 1]) report.stamps.repeated_stamps.push_back(all.frames[k]);
-    if (stamps[k] < stamps[k - 1]) report.stamps.backward_stamps.push_back(all.frames[k]);
-    const double step = static_cast<double>(stamps[k]) - static_cast<double>(stamps[k - 1]);
-    if (step > longest_usual_step * static_cast<double>(median))
-      report.stamps.gaps.push_back({all.frames[k - 1], step * 1e-9});
-  }
-}
-
-void judge_unit(CheckReport& report, const Stamps& all) {
-  if (!report.info.has_stamps) {
-    report.stamps.stamp_unit.clear();
-    return;
-  }
-  std::vector<double> seconds;
-  for (const auto stamp : all.stamps) seconds.push_back(to_seconds(stamp));
-  const auto guess = guess_stamp_unit(seconds, StampUnit::seconds);
-  if (guess == StampUnit::seconds) return;
-  report.warnings.push_back(fmt::format("one frame per {:g} s: as if timestamps of {} were read as s",
-                                        1.0 / report.stamps.rate_hz, unit_name(guess)));
-}
-
-void judge_ground_truth(CheckReport& report, const Stamps& all) {
-  const auto& ground_truth = report.info.ground_truth;
-  if (ground_truth.empty() || all.stamps.empty()) return;
-  const TimeNs max_gap = std::max(shortest_ground_truth_gap, 2 * median_forward_step(all.stamps));
-  const auto covered = std::count_if(all.stamps.begin(), all.stamps.end(), [&](TimeNs stamp) {
-    const double before = static_cast<double>(ground_truth.front().stamp) - static_cast<double>(stamp);
-    const double behind = static_cast<double>(stamp) - static_cast<double>(ground_truth.back().stamp);
-    const double outside = std::max(before, behind);
-    return outside <= 0.0 ? pose_at(ground_truth, stamp, max_gap).has_value()
-                          : outside <= static_cast<double>(ground_truth_tolerance);
-  });
-  report.ground_truth_percent = 100.0 * static_cast<double>(covered) / static_cast<double>(all.stamps.size());
-  if (report.ground_truth_percent < 90.0) {
-    report.warnings.push_back(
-        fmt::format("only {:.1f} % of the frames have ground truth", report.ground_truth_percent));
-  }
-}
-
-void warn(CheckReport& report, std::size_t count, const char* what) {
-  if (count > 0) report.warnings.push_back(fmt::format("{} {}", count, what));
-}
-
-void give_verdict(CheckReport& report, const Stamps& all) {
-  warn(report, report.unreadable_images.size(),
-       report.info.has_image ? "images cannot be read" : "frames cannot be read");
-  warn(report, report.stamps.gaps.size(), "gaps between frames");
-  warn(report, report.stamps.repeated_stamps.size(), "stamps are repeated");
-  warn(report, report.stamps.backward_stamps.size(), "stamps go backward");
-  if (report.frames_read == 1) report.warnings.push_back("only one frame can be read");
-  const auto frames = static_cast<double>(all.stamps.size());
-  if (report.frames_read == 0) {
-    report.reasons.push_back("no frame can be read");
-  } else if (static_cast<double>(report.frames_read) < fewest_readable * frames) {
-    report.reasons.push_back(fmt::format("only {} of {} frames can be read", report.frames_read, all.stamps.size()));
-  }
-  if (!report.size_changes.empty() && !report.info.has_image) {
-    report.warnings.push_back(
-        fmt::format("the scans change their shape, first at frame {}", report.size_changes.front().frame));
-  } else if (!report.size_changes.empty()) {
-    report.reasons.push_back(
-        fmt::format("the images change their size, first at {}", report.size_changes.front().problem));
-  }
-  const auto bad_steps = report.stamps.repeated_stamps.size() + report.stamps.backward_stamps.size();
-  if (static_cast<double>(bad_steps) > fewest_readable * frames) {
-    report.reasons.push_back(
-        fmt::format("the stamps do not rise: {} of {} repeat or go backward", bad_steps, all.stamps.size()));
-  }
-  report.usable = report.reasons.empty();
-}
-
 }  // namespace
 
 CheckReport check(const std::string& path, const OpenOptions& options, const Progress& progress) {
   CheckReport report;
-  Stamps stamps;
+  FrameStamps stamps;
   OpenOptions with_depth = options;
   with_depth.want_depth = true;
   if (const auto log = open_log(path, with_depth)) {
@@ -312,10 +212,7 @@ CheckReport check(const std::string& path, const OpenOptions& options, const Pro
     report.stamps.stamp_unit = "s";
     stamps = check_video(report, *video, options, progress);
   }
-  judge_stamps(report, stamps);
-  judge_unit(report, stamps);
-  judge_ground_truth(report, stamps);
-  give_verdict(report, stamps);
+  judge(report, stamps);
   return report;
 }
 

@@ -119,7 +119,7 @@ Image<std::uint16_t> read_raw_depth(const std::string& path) {
   if (mat.type() != CV_16UC1) {
     throw Error(
         fmt::format("a depth image has one channel of 16 bit, this has {} of {}", mat.channels(), 8 * mat.elemSize1()),
-        path, "");
+        path, mat.channels() == 3 ? "are the color and the depth images exchanged?" : "");
   }
   Image<std::uint16_t> raw(mat.cols, mat.rows);
   for (int y = 0; y < raw.height(); ++y) std::memcpy(raw.row(y), mat.ptr(y), 2 * static_cast<std::size_t>(raw.width()));

@@ -19,7 +19,8 @@ constexpr std::array<const char*, 5> alignment_names = {"none", "se3", "sim3", "
 constexpr double degrees = 180.0 / std::numbers::pi;
 
 bool by_index(const TrajectoryInput& reference, const TrajectoryInput& estimate) {
-  return reference.format == TrajectoryFormat::kitti && estimate.format == TrajectoryFormat::kitti;
+  if (reference.format != TrajectoryFormat::kitti || estimate.format != TrajectoryFormat::kitti) return false;
+  return reference.poses.size() == estimate.poses.size() || !reference.has_stamps || !estimate.has_stamps;
 }
 
 void require_stamps(const TrajectoryInput& input, const TrajectoryInput& other) {

@@ -45,7 +45,7 @@ struct RpeScores {
 /// How the poses of both sides were associated.
 struct PosePairing {
   int reference_poses = 0, estimate_poses = 0, matched = 0;
-  bool by_index = false;              ///< By line, since neither or only one side has stamps.
+  bool by_index = false;              ///< By line: both are KITTI files, of one length or without stamps.
   double largest_difference_s = 0.0;  ///< Largest difference of stamps in a pair.
   double coverage_percent = 0.0;      ///< See coverage_of().
 };
@@ -76,9 +76,9 @@ struct TrajectoryScores {
   std::vector<StampedPose> aligned;  ///< The estimate's poses of the pairs, in the reference's world.
 };
 
-/// Associates the poses (by stamp; by line if the files have none, or both are KITTI files), aligns and scores. Throws
-/// Error if the sides cannot be associated, no pose is matched, or there is no alignment (a similarity of an estimate
-/// at rest).
+/// Associates the poses (by stamp; by line if both are KITTI files of one length or without stamps), aligns and scores.
+/// Throws Error if the sides cannot be associated, no pose is matched, or there is no alignment (a similarity of an
+/// estimate at rest).
 TrajectoryScores score_trajectory(const TrajectoryInput& reference, const TrajectoryInput& estimate,
                                   const TrajectoryScoreOptions& options);
 

@@ -140,6 +140,20 @@ TEST(TrajectoryScores, InputThatCannotBeScoredIsAnError) {
               HasSubstr("times.txt"));
 }
 
+TEST(TrajectoryScores, KittiFilesOfOtherLengthsAreMatchedByStampWhereBothHaveThem) {
+  const Trajectory reference = winding();
+  TrajectoryInput whole = trajectory_input_from(reference, "whole");
+  TrajectoryInput part = trajectory_input_from(Trajectory(reference.begin() + 20, reference.end()), "part");
+  whole.format = part.format = TrajectoryFormat::kitti;
+  const auto by_stamp = score_trajectory(whole, part, {});
+  EXPECT_FALSE(by_stamp.pairing.by_index);
+  EXPECT_LT(by_stamp.ate_m->max, 1e-9);
+  part.has_stamps = false;
+  const auto by_line = score_trajectory(whole, part, {});
+  EXPECT_TRUE(by_line.pairing.by_index);
+  EXPECT_GT(by_line.ate_m->max, 0.01);
+}
+
 TEST(TrajectoryReport, JsonHasEveryFigure) {
   const Trajectory reference = winding();
   const auto scores = score(reference, reference, TrajectoryAlignment::sim3);

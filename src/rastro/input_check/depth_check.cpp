@@ -25,6 +25,8 @@ constexpr double clear_residuals = 0.8, least_mirror_evidence = 0.7;
 constexpr double constant_spread = 0.002;
 constexpr std::size_t least_depths = 500;
 constexpr int least_constant = 5;
+constexpr int least_empty = 20;
+constexpr double empty_share = 0.005;  // Of the pixels: fewer with depth are none.
 
 Image<std::uint8_t> in_cells(const GrayImage& image) {
   Image<std::uint8_t> cells(image.width() / cell_px, image.height() / cell_px);
@@ -103,13 +105,14 @@ void DepthCheck::add(const Frame& frame, InputWarnings& found) {
     return;
   const std::int64_t number = frames_++;
   if (!is_in_burst(number)) return;
+  check_presence(frame.depth, found);
   check_spread(frame.depth, found);
-  if (said_ || said_constant_) return;
+  if (is_wrong()) return;
   check_steps(frame, found);
 }
 
 void DepthCheck::add(const TrackedWindow& window, const Camera& camera, InputWarnings& found) {
-  if (said_ || said_constant_) return;
+  if (is_wrong()) return;
   const auto residuals = mirror_residuals(window, camera);
   if (!residuals) return;
   const double given = residuals->given_px, mirrored = residuals->mirrored_px;
@@ -124,6 +127,22 @@ void DepthCheck::add(const TrackedWindow& window, const Camera& camera, InputWar
                    fmt::format("the depth seems to be mirrored: features move as their depth says to {:.2f} px, and to "
                                "{:.2f} px with the depth mirrored left to right ({} windows)",
                                given, mirrored, windows_mirrored_)});
+}
+
+void DepthCheck::check_presence(const DepthImage& depth, InputWarnings& found) {
+  if (said_empty_) return;
+  std::int64_t measured = 0;
+  for (int y = 0; y < depth.height(); ++y)
+    measured += std::count_if(depth.row(y), depth.row(y) + depth.width(), [](float meters) { return meters > 0.0F; });
+  const double share = static_cast<double>(measured) / (static_cast<double>(depth.width()) * depth.height());
+  (share < empty_share ? empty_ : filled_) += 1;
+  if (empty_ < least_empty || empty_ < 10 * filled_) return;
+  said_empty_ = true;
+  found.push_back(
+      {"depth_empty",
+       fmt::format("{} of {} depth images are empty: fewer than {:g} % of their pixels have a depth; is the "
+                   "sensor covered, farther than it measures, or the depth factor wrong?",
+                   empty_, empty_ + filled_, 100.0 * empty_share)});
 }
 
 void DepthCheck::check_spread(const DepthImage& depth, InputWarnings& found) {

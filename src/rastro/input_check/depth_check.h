@@ -13,7 +13,7 @@
 namespace rastro {
 
 /// Checks depth images against the gray ones: do steps of the depth lie on edges of the image, or on those of its
-/// mirror image? And is it depth at all, or one value?
+/// mirror image? And is it depth at all, or nothing, or one value?
 class DepthCheck {
  public:
   /// Adds what is sure since this frame to `found`, each kind once.
@@ -21,7 +21,7 @@ class DepthCheck {
   /// Of the same frames: the motion of features with their depth.
   void add(const TrackedWindow& window, const Camera& camera, InputWarnings& found);
   /// Whether anything was found.
-  bool is_wrong() const { return said_ || said_constant_; }
+  bool is_wrong() const { return said_ || said_constant_ || said_empty_; }
 
  private:
   /// How much better the depth fits something else than its own image, one number per frame.
@@ -32,10 +32,13 @@ class DepthCheck {
     bool is_sure(double least_mean) const;
   };
 
+  void check_presence(const DepthImage& depth, InputWarnings& found);
   void check_spread(const DepthImage& depth, InputWarnings& found);
   void check_steps(const Frame& frame, InputWarnings& found);
 
   std::int64_t frames_ = 0;
+  int empty_ = 0, filled_ = 0;
+  bool said_empty_ = false;
   int constant_ = 0, varied_ = 0;
   bool said_constant_ = false, said_ = false;
   Advantage mirrored_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rastro/input_check/depth_focal.h"
 #include "rastro/input_check/motion_residual.h"
 #include "rastro/input_check/window_bundle.h"
 #include "rastro/math/median.h"
@@ -17,6 +18,9 @@ namespace {
 // By bundle adjustment: a correction of the focal length below least_correction is no error of the calibration.
 constexpr double least_correction = 0.2, sure = 4.0;
 constexpr int least_adjusted = 3;
+// By depth: what a window may be off for reasons that its residuals do not show, such as depth of another camera.
+constexpr double least_difference = 0.1, unseen_sigma = 0.03;
+constexpr int least_with_depth = 3;
 constexpr std::size_t given_factor = 2;
 constexpr double clearly_better = 0.8, clear_px = 0.15;
 constexpr double worst_px = 4.0;  // Larger residuals say no more.
@@ -57,12 +61,43 @@ std::optional<FocalCheck::Residuals> FocalCheck::residuals_of(const TrackedWindo
 
 void FocalCheck::add(const TrackedWindow& window, InputWarnings& found) {
   if (!camera_ || said_) return;
+  compare_with_depth(window, found);
+  if (said_) return;
   adjust(window, found);
   if (said_) return;
   const auto residuals = residuals_of(window);
   if (!residuals) return;
   windows_.push_back(*residuals);
   judge(found);
+}
+
+void FocalCheck::compare_with_depth(const TrackedWindow& window, InputWarnings& found) {
+  const auto fit = focal_from_depth(window, *camera_);
+  if (!fit) return;
+  by_depth_.add(*fit);
+  const FocalFit mean = by_depth_.mean();
+  if (by_depth_.windows < least_with_depth || std::abs(mean.log_factor) < std::max(least_difference, sure * mean.sigma))
+    return;
+  said_ = true;
+  const double focal_px = 0.5 * (camera_->fx + camera_->fy) * std::exp(mean.log_factor);
+  found.push_back({"focal_length",
+                   fmt::format("features and depth move as with a {} focal length: {:.0f} +- {:.0f} px by {} windows, "
+                               "the calibration has fx = {:.0f} px; check fx, fy and the image size of the calibration",
+                               mean.log_factor < 0.0 ? "shorter" : "longer", focal_px, 2.0 * mean.sigma * focal_px,
+                               by_depth_.windows, camera_->fx)});
+}
+
+void FocalCheck::ByDepth::add(const FocalFit& fit) {
+  const double weight = 1.0 / (fit.sigma * fit.sigma + unseen_sigma * unseen_sigma);
+  ++windows;
+  weights += weight;
+  sum += weight * fit.log_factor;
+  squares += weight * fit.log_factor * fit.log_factor;
+}
+
+FocalFit FocalCheck::ByDepth::mean() const {
+  const double mean = sum / weights, scatter = (squares - sum * mean) / std::max(1, windows - 1);
+  return {mean, std::sqrt(std::max(1.0, scatter) / weights)};
 }
 
 void FocalCheck::adjust(const TrackedWindow& window, InputWarnings& found) {

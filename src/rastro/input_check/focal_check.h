@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/camera/camera.h"
+#include "rastro/input_check/depth_focal.h"
 #include "rastro/input_check/input_warning.h"
 #include "rastro/input_check/tracked_window.h"
 #include "rastro/optimize/calibration_check.h"
@@ -28,9 +29,19 @@ class FocalCheck {
 
   std::optional<Residuals> residuals_of(const TrackedWindow& window) const;
   void judge(InputWarnings& found);
+  void compare_with_depth(const TrackedWindow& window, InputWarnings& found);
   void adjust(const TrackedWindow& window, InputWarnings& found);
 
+  /// Sums over the windows with depth.
+  struct ByDepth {
+    int windows = 0;
+    double weights = 0.0, sum = 0.0, squares = 0.0;
+    void add(const FocalFit& fit);
+    FocalFit mean() const;
+  };
+
   std::optional<Camera> camera_;
+  ByDepth by_depth_;
   CalibrationCheck adjustment_;
   bool said_ = false;
   std::vector<Residuals> windows_;

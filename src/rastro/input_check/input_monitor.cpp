@@ -10,6 +10,7 @@
 #include "rastro/input_check/depth_scale_check.h"
 #include "rastro/input_check/focal_check.h"
 #include "rastro/input_check/laser_check.h"
+#include "rastro/input_check/stamp_check.h"
 #include "rastro/input_check/stereo_check.h"
 #include "rastro/input_check/tracked_window.h"
 
@@ -23,6 +24,7 @@ struct InputMonitor::Checks {
         focal(camera) {}
 
   void look(const Frame& frame, InputWarnings& found) {
+    stamps.add(frame, found);
     laser.add(frame, found);
     stereo.add(frame, found);
     depth.add(frame, found);
@@ -35,6 +37,7 @@ struct InputMonitor::Checks {
 
   std::optional<Camera> camera;
 
+  StampCheck stamps;
   LaserCheck laser;
   StereoCheck stereo;
   DepthCheck depth;

@@ -190,6 +190,34 @@ TEST(InputMonitorDepth, TellsConstantDepth) {
             "depth_constant");
 }
 
+TEST(InputMonitorDepth, TellsEmptyDepth) {
+  EXPECT_EQ(told(room_recording().info, room_recording().frames,
+                 [](Frame& frame) {
+                   for (int y = 0; y < frame.depth.height(); ++y)
+                     std::fill_n(frame.depth.row(y), frame.depth.width(), 0.0F);
+                 }),
+            "depth_empty");
+}
+
+TEST(InputMonitorDepth, TellsTheFocalLengthOfAnotherCamera) {
+  const Recorded recorded = record(make_bedroom({.scale = 0.5}), 180, false);
+  for (const double factor : {0.75, 1.0, 1.3}) {
+    SourceInfo info = recorded.info;
+    info.cameras.front().camera->fx *= factor;
+    info.cameras.front().camera->fy *= factor;
+    EXPECT_EQ(told(info, recorded.frames), factor == 1.0 ? "" : "focal_length") << factor;
+  }
+}
+
+TEST(InputMonitorDepth, TellsStampsThatGoBackAndNotRepeatedOnes) {
+  EXPECT_EQ(told(room_recording().info, room_recording().frames,
+                 [](Frame& frame) {
+                   if (frame.index == 7) frame.stamp -= from_seconds(0.5);
+                 }),
+            "stamps_backward");
+  EXPECT_EQ(told({}, {{.stamp = 1}, {.index = 1, .stamp = 1}, {.index = 2, .stamp = 2}}), "");
+}
+
 TEST(InputMonitorDepth, TellsDepthOfAnEarlierMoment) {
   std::deque<DepthImage> before;
   EXPECT_EQ(told(room_recording().info, room_recording().frames,

@@ -8,8 +8,9 @@ namespace rastro {
 
 /// Why an input cannot be what its calibration or its other sensors say.
 struct InputWarning {
-  /// "stereo_swapped", "stereo_unsynchronized", "stereo_not_rectified", "baseline", "depth_constant", "depth_mirrored",
-  /// "depth_late", "focal_length", "laser_stuck", "laser_mirrored", "laser_scale", "odometry_reversed".
+  /// "stamps_backward", "stereo_swapped", "stereo_unsynchronized", "stereo_not_rectified", "baseline", "depth_empty",
+  /// "depth_constant", "depth_mirrored", "depth_late", "depth_scale", "focal_length", "laser_stuck", "laser_mirrored",
+  /// "laser_scale", "odometry_reversed".
   std::string kind;
   std::string text;  ///< One line with the numbers and the likely cause.
 };

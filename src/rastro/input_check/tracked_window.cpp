@@ -17,6 +17,10 @@ constexpr std::size_t fewest_alive = 55, least_frames = 4, most_frames = 30;
 constexpr double enough_motion = 0.08;  // Share of the image's width.
 constexpr KltOptions window_klt{.window_px = 15, .iterations = 20, .epsilon_px = 0.02, .coarse_epsilon_px = 0.05};
 
+bool has_depth(const Frame& frame) {
+  return frame.depth.width() == frame.image.width() && frame.depth.height() == frame.image.height();
+}
+
 }  // namespace
 
 std::vector<std::size_t> TrackedWindow::survivors() const {
@@ -47,6 +51,7 @@ bool WindowTracker::add(const Frame& frame) {
   follow(frame);
   if (!ended()) return false;
   open_ = false;
+  add_last_depths(frame);
   schedule_.taken(number);
   return true;
 }
@@ -65,9 +70,9 @@ void WindowTracker::start(const Frame& frame) {
                                               {.quality = 0.01, .min_distance_px = distance, .border_px = 10})) {
     alive_.push_back(window_.tracks.size());
     window_.tracks.push_back({{static_cast<float>(corner.x), static_cast<float>(corner.y)}});
-    const bool has_depth = frame.depth.width() == frame.image.width() && frame.depth.height() == frame.image.height();
-    window_.first_depths.push_back(has_depth ? frame.depth.at(corner.x, corner.y) : 0.0F);
-    window_.mirrored_depths.push_back(has_depth ? frame.depth.at(frame.depth.width() - 1 - corner.x, corner.y) : 0.0F);
+    window_.first_depths.push_back(has_depth(frame) ? frame.depth.at(corner.x, corner.y) : 0.0F);
+    window_.mirrored_depths.push_back(has_depth(frame) ? frame.depth.at(frame.depth.width() - 1 - corner.x, corner.y)
+                                                       : 0.0F);
   }
   window_.frames = 1;
 }
@@ -91,6 +96,17 @@ void WindowTracker::follow(const Frame& frame) {
   alive_ = std::move(still);
   std::swap(last_, current_);
   ++window_.frames;
+}
+
+void WindowTracker::add_last_depths(const Frame& frame) {
+  window_.last_depths.assign(window_.tracks.size(), 0.0F);
+  if (!has_depth(frame)) return;
+  for (const std::size_t i : alive_) {
+    const Eigen::Vector2f& pixel = window_.tracks[i].back();
+    const auto x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+    if (x >= 0 && y >= 0 && x < frame.depth.width() && y < frame.depth.height())
+      window_.last_depths[i] = frame.depth.at(x, y);
+  }
 }
 
 bool WindowTracker::ended() const {

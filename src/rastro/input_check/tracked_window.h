@@ -19,6 +19,8 @@ struct TrackedWindow {
   std::size_t frames = 0;
   /// Depth in the first frame, meters, one per feature; 0: none. And that of the pixel mirrored left to right.
   std::vector<float> first_depths, mirrored_depths;
+  /// That in the last frame; 0 also for features that were lost.
+  std::vector<float> last_depths;
 
   /// Features that were followed to the end.
   std::vector<std::size_t> survivors() const;
@@ -39,6 +41,7 @@ class WindowTracker {
   void start(const Frame& frame);
   void follow(const Frame& frame);
   bool ended() const;
+  void add_last_depths(const Frame& frame);
 
   SampleSchedule schedule_;
   std::int64_t number_ = 0;
