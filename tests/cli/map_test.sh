@@ -147,6 +147,10 @@ landmarks() {
 mono() {
   run 0 slam "$room" --method orb --sensor mono --out "$here/mono"
   said 'scale        arbitrary'
+  run 0 evaluate trajectory "$room" "$here/mono"
+  grep -q 'in arbitrary units' "$here/stderr" || fail "the wrong alignment is not told"
+  run 0 evaluate trajectory "$room" "$here/mono" --align sim3
+  [[ ! -s $here/stderr ]] || fail "warned of the right alignment: $(cat "$here/stderr")"
   refused 'give one of' scale "$here/mono"
   refused 'is not a length' scale "$here/mono" --length 1,2
   refused 'has no landmark' scale "$here/mono" --length 1,987654321,2
@@ -155,6 +159,10 @@ mono() {
   run 0 scale "$here/mono" --reference "$room"
   run 0 scale "$here/mono" --reference "$room" --json
   grep -Eq '"meters_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in meters: $(cat "$here/stdout")"
+  cp -r "$here/mono" "$here/mono_again"
+  run 0 scale "$here/mono_again/map.rastro" --length f0,f15,100
+  grep -q 'was in meters already, by a reference trajectory' "$here/stderr" || fail "the contradiction is not told"
+  cmp -s "$here/mono/trajectory.txt" "$here/mono_again/trajectory.txt" && fail "the run of a scaled map file stays as it was"
   run 0 info "$here/mono"
   said 'meters, from a reference trajectory'
   run 0 evaluate trajectory "$room" "$here/mono" --align se3 --require 'ate_rmse<=0.1'

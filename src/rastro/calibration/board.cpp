@@ -31,7 +31,11 @@ bool parse_whole(std::string_view text, Number& value) {
 double parse_size(std::string_view field, std::string_view text) {
   double size = 0.0;
   if (!parse_whole(field, size)) fail_board("holds something that is no number", text);
-  if (!(size > 1e-6 && size < 100.0)) fail_board("has a size that is not plausible", text);
+  constexpr double largest_m = 2.0;
+  if (size > largest_m)
+    fail_board(fmt::format("has a side of {:g} m; sizes are in meters, {:g} mm would be {:g}", size, size, 1e-3 * size),
+               text);
+  if (!(size > 1e-6)) fail_board("has a size that is not plausible", text);
   return size;
 }
 

@@ -147,6 +147,7 @@ TEST(BoardTest, TextsAreReadAndWritten) {
                            "chessboard:9x6:nan",
                            "chessboard:99999999999x6:1",
                            "chessboard:9x6:0.1:0.2",
+                           "chessboard:9x6:25",
                            "charuco:8x6:0.03",
                            "charuco:8x6:0.03:0.03",
                            "charuco:3x6:0.03:0.02",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -157,6 +158,20 @@ void warn_of_few(const TrajectoryScores& scores) {
                           one_line(scores.estimate), scores.pairs.size() == 1 ? "1 pose is" : "2 poses are"));
 }
 
+/// Of a file that rastro wrote for one camera, which says so in its first line.
+bool is_up_to_scale(const std::string& file) {
+  std::ifstream stream(file);
+  std::string first;
+  return std::getline(stream, first) && first.starts_with('#') && first.find("arbitrary units") != std::string::npos;
+}
+
+void warn_of_arbitrary_units(const TrajectoryScores& scores, const TrajectoryInput& estimate) {
+  if (scores.alignment == TrajectoryAlignment::sim3 || !is_up_to_scale(estimate.file)) return;
+  log_warning(fmt::format("{} is of one camera, in arbitrary units: its errors in meters say nothing without --align "
+                          "sim3, or 'rastro scale' before",
+                          one_line(estimate.file)));
+}
+
 void warn_of_other_length(const TrajectoryInput& reference, const TrajectoryInput& estimate,
                           const TrajectoryScores& scores) {
   if (!scores.pairing.by_index || reference.poses.size() == estimate.poses.size()) return;
@@ -183,7 +198,10 @@ int evaluate_trajectory(const Flags& flags) {
         consistency_of_run(path, reference, estimates.back(), all.back().scale(), options.max_difference);
   }
   require_use_of_times(flags, reference, estimates);
-  for (const TrajectoryScores& scores : all) warn_of_few(scores);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    warn_of_few(all[k]);
+    warn_of_arbitrary_units(all[k], estimates[k]);
+  }
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);
   if (!flags.csv.empty()) write_curves(plot_of(reference, all), all, flags.csv);
   if (flags.json)

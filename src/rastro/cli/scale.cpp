@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/map_path.h"
@@ -19,7 +21,7 @@ namespace {
 
 constexpr const char* footer =
     R"(A map of one camera is known up to scale. This estimates the scale with its sigma and makes the map metric; of a run
-folder also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt, map.png and result.json. Give one of:
+(its folder, or the map.rastro in it) also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt, map.png and result.json. Give one of:
   --length         distance in meters between two landmarks (ids: 'rastro export RUN --to landmarks --out landmarks.csv')
                    or, as f0,f120,METERS, between the camera positions of two frames. The sigma is from the residuals of
                    two or more lengths, from the landmarks' position sigmas of one, and unknown with one pair of frames
@@ -88,6 +90,26 @@ std::shared_ptr<const Map> scalable_map(const std::string& file) {
   return map;
 }
 
+/// Of a map file, too, the run that it is of: its trajectory would stay in another unit.
+std::filesystem::path run_folder_of(const std::string& map, const std::string& file) {
+  std::error_code code;
+  if (file != map) return map;
+  const auto folder = std::filesystem::path(file).parent_path();
+  const bool is_of_run =
+      std::filesystem::path(file).filename() == "map.rastro" && std::filesystem::exists(folder / "result.json", code);
+  return is_of_run ? (folder.empty() ? std::filesystem::path(".") : folder) : std::filesystem::path();
+}
+
+void warn_of_contradiction(const std::string& file, const MapScale& before, const MapScaleFound& found) {
+  constexpr double least = 0.05, sure = 4.0;
+  const double difference = std::abs(std::log(found.meters_per_unit));
+  if (!before.metric || difference < std::max(least, sure * std::hypot(before.relative_sigma, found.relative_sigma)))
+    return;
+  log_warning(fmt::format("{} was in meters already, by {}: by {} its lengths are {:.3g} times as long, which is kept "
+                          "now; one of them is wrong",
+                          file, one_line(before.origin), one_line(found.from), found.meters_per_unit));
+}
+
 void scale(const Flags& flags, bool height_given) {
   constexpr double highest_m = 1000.0;
   if (height_given && !(flags.camera_height_m > 0.0 && flags.camera_height_m <= highest_m))
@@ -97,10 +119,12 @@ void scale(const Flags& flags, bool height_given) {
   const auto map = scalable_map(file);
   const MapScaleFound found = find_scale(flags, *map);
   const Map in_meters = scaled(*map, found);
-  if (file == flags.map)
+  warn_of_contradiction(file, scale_of(*map), found);
+  const std::filesystem::path folder = run_folder_of(flags.map, file);
+  if (folder.empty())
     save_map(in_meters, file);
   else
-    scale_run_folder(flags.map, in_meters, found);
+    scale_run_folder(folder, in_meters, found);
   if (flags.json)
     fmt::print("{{\n  \"meters_per_unit\": {:.9g},\n  \"relative_sigma\": {:.3g},\n  \"measurements\": {}\n}}\n",
                found.meters_per_unit, found.relative_sigma, found.measurements);

@@ -77,7 +77,7 @@ void set_from_flag(OptionTable& table, const std::string& name, const std::strin
 }
 
 constexpr const char* localize_footer = R"(
-MAP is a map of 'rastro slam DATA --method rgbd' or orb. DATA may be another recording, of the same kind of camera.
+MAP is a map of 'rastro slam DATA --method rgbd', rtabmap, orb or fusion. DATA may be another recording, of the same kind of camera.
 
 Output files, in --out:
   trajectory.txt   pose of every localized frame, TUM format, in the frame and unit of the map
