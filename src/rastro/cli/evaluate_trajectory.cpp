@@ -167,9 +167,10 @@ bool is_up_to_scale(const std::string& file) {
 
 void warn_of_arbitrary_units(const TrajectoryScores& scores, const TrajectoryInput& estimate) {
   if (scores.alignment == TrajectoryAlignment::sim3 || !is_up_to_scale(estimate.file)) return;
-  log_warning(fmt::format("{} is of one camera, in arbitrary units: its errors in meters say nothing without --align "
-                          "sim3, or 'rastro scale' before",
-                          one_line(estimate.file)));
+  log_warning(
+      fmt::format("{} is of one camera, in arbitrary units: its errors in meters say nothing without --align "
+                  "sim3, or 'rastro scale' before",
+                  one_line(estimate.file)));
 }
 
 void warn_of_other_length(const TrajectoryInput& reference, const TrajectoryInput& estimate,

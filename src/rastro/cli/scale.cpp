@@ -105,9 +105,10 @@ void warn_of_contradiction(const std::string& file, const MapScale& before, cons
   const double difference = std::abs(std::log(found.meters_per_unit));
   if (!before.metric || difference < std::max(least, sure * std::hypot(before.relative_sigma, found.relative_sigma)))
     return;
-  log_warning(fmt::format("{} was in meters already, by {}: by {} its lengths are {:.3g} times as long, which is kept "
-                          "now; one of them is wrong",
-                          file, one_line(before.origin), one_line(found.from), found.meters_per_unit));
+  log_warning(
+      fmt::format("{} was in meters already, by {}: by {} its lengths are {:.3g} times as long, which is kept "
+                  "now; one of them is wrong",
+                  file, one_line(before.origin), one_line(found.from), found.meters_per_unit));
 }
 
 void scale(const Flags& flags, bool height_given) {

@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t least_features = 40;
 constexpr int iterations = 30, unknowns = 7;
 constexpr double huber = 1.5, pixel_sigma = 0.5;
-// Of a depth z, as a share: a constant part and one that grows with z, as of a pattern or a pair (1/m).
-constexpr double depth_sigma = 0.004, depth_sigma_by_depth = 0.003;
+constexpr double depth_sigma = 0.004;  // Of a depth, as a share; besides a part that grows with it.
 constexpr double largest_log_factor = 1.2, converged = 1e-5;
 constexpr double least_inlier_share = 0.5, inlier_sigmas = 4.0;
 
@@ -31,12 +30,12 @@ struct Feature {
 std::vector<Feature> features_of(const TrackedWindow& window, const Camera& camera) {
   std::vector<Feature> features;
   for (const std::size_t i : window.survivors()) {
-    if (!(window.first_depths[i] > 0.0F) || !(window.last_depths[i] > 0.0F)) continue;
+    if (!(window.start_depths[i] > 0.0F) || !(window.end_depths[i] > 0.0F)) continue;
     const auto first = camera.unproject(window.tracks[i].front().cast<double>()),
                last = camera.unproject(window.tracks[i].back().cast<double>());
     if (first && last)
       features.push_back(
-          {*first, *last, static_cast<double>(window.first_depths[i]), static_cast<double>(window.last_depths[i])});
+          {*first, *last, static_cast<double>(window.start_depths[i]), static_cast<double>(window.end_depths[i])});
   }
   return features;
 }
@@ -49,7 +48,8 @@ struct Residual {
 
 class Fit {
  public:
-  Fit(const std::vector<Feature>& features, double focal_px) : features_(features), focal_px_(focal_px) {}
+  Fit(const std::vector<Feature>& features, double focal_px, double error_growth)
+      : features_(features), focal_px_(focal_px), error_growth_(error_growth) {}
 
   bool solve() {
     for (int k = 0; k < iterations; ++k) {
@@ -81,7 +81,7 @@ class Fit {
     const Eigen::Vector3d p = rotated + last_from_first_.translation();
     if (p.z() < 0.05 * feature.first_depth) return std::nullopt;
     const double inverse = 1.0 / p.z(), by_pixel = factor * inverse * focal_px_ / pixel_sigma;
-    const double z_sigma = feature.last_depth * (depth_sigma + depth_sigma_by_depth * feature.last_depth);
+    const double z_sigma = feature.last_depth * (depth_sigma + error_growth_ * feature.last_depth);
     Eigen::Matrix3d by_point;
     by_point << by_pixel, 0.0, -by_pixel * p.x() * inverse, 0.0, by_pixel, -by_pixel * p.y() * inverse, 0.0, 0.0,
         1.0 / z_sigma;
@@ -114,7 +114,7 @@ class Fit {
   }
 
   const std::vector<Feature>& features_;
-  double focal_px_;
+  double focal_px_, error_growth_;
   SE3 last_from_first_;
   double log_factor_ = 0.0;
   Matrix7 information_;
@@ -128,7 +128,7 @@ class Fit {
 std::optional<FocalFit> focal_from_depth(const TrackedWindow& window, const Camera& camera) {
   const std::vector<Feature> features = features_of(window, camera);
   if (features.size() < least_features) return std::nullopt;
-  Fit fit(features, 0.5 * (camera.fx + camera.fy));
+  Fit fit(features, 0.5 * (camera.fx + camera.fy), window.depth_error_growth);
   if (!fit.solve()) return std::nullopt;
   return fit.result();
 }

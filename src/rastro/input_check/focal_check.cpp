@@ -19,7 +19,8 @@ namespace {
 constexpr double least_correction = 0.2, sure = 4.0;
 constexpr int least_adjusted = 3;
 // By depth: what a window may be off for reasons that its residuals do not show, such as depth of another camera.
-constexpr double least_difference = 0.1, unseen_sigma = 0.03;
+// Features err alike in groups, so that a sigma by their scatter is too small.
+constexpr double least_difference = 0.1, unseen_sigma = 0.03, alike = 2.0;
 constexpr int least_with_depth = 3;
 constexpr std::size_t given_factor = 2;
 constexpr double clearly_better = 0.8, clear_px = 0.15;
@@ -88,7 +89,7 @@ void FocalCheck::compare_with_depth(const TrackedWindow& window, InputWarnings& 
 }
 
 void FocalCheck::ByDepth::add(const FocalFit& fit) {
-  const double weight = 1.0 / (fit.sigma * fit.sigma + unseen_sigma * unseen_sigma);
+  const double sigma = std::hypot(alike * fit.sigma, unseen_sigma), weight = 1.0 / (sigma * sigma);
   ++windows;
   weights += weight;
   sum += weight * fit.log_factor;

@@ -39,7 +39,8 @@ TrackedWindow drive(double yaw_rate, std::uint64_t seed) {
     window.tracks.push_back(track);
     window.first_depths.push_back(0.0F);
     window.mirrored_depths.push_back(0.0F);
-    window.last_depths.push_back(0.0F);
+    window.start_depths.push_back(0.0F);
+    window.end_depths.push_back(0.0F);
   }
   return window;
 }
@@ -65,7 +66,8 @@ TrackedWindow turn_with_depth(double depth_scale, std::uint64_t seed) {
     window.tracks.push_back({pixel_of(point), pixel_of(last_from_first * point)});
     window.first_depths.push_back(depth_of(point));
     window.mirrored_depths.push_back(0.0F);
-    window.last_depths.push_back(depth_of(last_from_first * point));
+    window.start_depths.push_back(window.first_depths.back());
+    window.end_depths.push_back(depth_of(last_from_first * point));
   }
   return window;
 }
@@ -83,7 +85,7 @@ TEST(DepthFocal, FindsTheFocalLengthOfOneWindowWhateverTheUnitOfDepth) {
 
 TEST(DepthFocal, NeedsDepthInBothFrames) {
   TrackedWindow window = turn_with_depth(1.0, 3);
-  window.last_depths.assign(window.tracks.size(), 0.0F);
+  window.end_depths.assign(window.tracks.size(), 0.0F);
   EXPECT_FALSE(focal_from_depth(window, wide_camera(1.0)));
 }
 

@@ -21,6 +21,7 @@ struct InputMonitor::Checks {
       : camera(info.cameras.empty() ? std::nullopt : info.cameras.front().camera),
         stereo(info),
         depth_scale(camera),
+        tracker(PairDepth::of(info)),
         focal(camera) {}
 
   void look(const Frame& frame, InputWarnings& found) {

@@ -143,6 +143,18 @@ TEST(InputMonitorStereo, TellsAnImpossibleBaseline) {
   EXPECT_EQ(told(info, pair_recording().frames), "baseline");
 }
 
+TEST(InputMonitorStereo, TellsTheFocalLengthOfAnotherCamera) {
+  const Recorded recorded = record(make_loop({.scale = 0.5}), 120, true);
+  for (const double factor : {0.75, 1.0, 1.3}) {
+    SourceInfo info = recorded.info;
+    for (auto& each : info.cameras) {
+      each.camera->fx *= factor;
+      each.camera->fy *= factor;
+    }
+    EXPECT_EQ(told(info, recorded.frames), factor == 1.0 ? "" : "focal_length") << factor;
+  }
+}
+
 TEST(InputMonitorStereo, TellsRowsThatDoNotAgree) {
   const auto lower = [](Frame& frame) {
     constexpr int rows = 6;

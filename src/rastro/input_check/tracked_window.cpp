@@ -51,7 +51,7 @@ bool WindowTracker::add(const Frame& frame) {
   follow(frame);
   if (!ended()) return false;
   open_ = false;
-  add_last_depths(frame);
+  add_end_depths(frame);
   schedule_.taken(number);
   return true;
 }
@@ -75,6 +75,9 @@ void WindowTracker::start(const Frame& frame) {
                                                        : 0.0F);
   }
   window_.frames = 1;
+  std::vector<Eigen::Vector2f> pixels;
+  for (const auto& track : window_.tracks) pixels.push_back(track.front());
+  window_.start_depths = depths_at(pixels, frame, last_);
 }
 
 void WindowTracker::follow(const Frame& frame) {
@@ -98,15 +101,26 @@ void WindowTracker::follow(const Frame& frame) {
   ++window_.frames;
 }
 
-void WindowTracker::add_last_depths(const Frame& frame) {
-  window_.last_depths.assign(window_.tracks.size(), 0.0F);
-  if (!has_depth(frame)) return;
-  for (const std::size_t i : alive_) {
-    const Eigen::Vector2f& pixel = window_.tracks[i].back();
+std::vector<float> WindowTracker::depths_at(const std::vector<Eigen::Vector2f>& pixels, const Frame& frame,
+                                            const Pyramid& image) {
+  if (!has_depth(frame))
+    return pair_ ? pair_->depths(image, frame.right, pixels) : std::vector<float>(pixels.size(), 0.0F);
+  std::vector<float> depths;
+  for (const Eigen::Vector2f& pixel : pixels) {
     const auto x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
-    if (x >= 0 && y >= 0 && x < frame.depth.width() && y < frame.depth.height())
-      window_.last_depths[i] = frame.depth.at(x, y);
+    const bool inside = x >= 0 && y >= 0 && x < frame.depth.width() && y < frame.depth.height();
+    depths.push_back(inside ? frame.depth.at(x, y) : 0.0F);
   }
+  return depths;
+}
+
+void WindowTracker::add_end_depths(const Frame& frame) {
+  std::vector<Eigen::Vector2f> pixels;
+  for (const std::size_t i : alive_) pixels.push_back(window_.tracks[i].back());
+  const std::vector<float> depths = depths_at(pixels, frame, last_);
+  window_.end_depths.assign(window_.tracks.size(), 0.0F);
+  for (std::size_t k = 0; k < alive_.size(); ++k) window_.end_depths[alive_[k]] = depths[k];
+  if (!has_depth(frame) && pair_) window_.depth_error_growth = pair_->error_growth();
 }
 
 bool WindowTracker::ended() const {
