@@ -37,6 +37,7 @@ class CurrentKeyframe {
   const Pyramid& pyramid() const { return *pyramid_; }
   const AlignmentReference& reference() const { return *reference_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
+  double attenuation() const { return static_cast<double>(reference_->level(0).attenuation); }
   int pixels() const { return reference_->level(0).count; }  ///< With a depth.
 
  private:

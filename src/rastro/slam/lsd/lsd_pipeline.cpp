@@ -19,6 +19,11 @@ void add_time(const StageTime& time, std::vector<StageTime>& times) {
     same->milliseconds += time.milliseconds;
 }
 
+DepthErrorModel errors_of_depth(const LsdSensor& sensor, const LsdOptions& options) {
+  if (!sensor.is_metric()) return errors_of_one_camera(options.scale_drift_share);
+  return sensor.kind == CameraKind::stereo ? errors_of_pair() : errors_of_depth_camera();
+}
+
 }  // namespace
 
 LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames,
@@ -27,7 +32,7 @@ LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, con
       is_metric_(sensor.is_metric()),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
-      uncertainty_(sensor.is_metric() ? errors_of_measured_depth() : errors_of_one_camera(options.scale_drift_share)),
+      uncertainty_(errors_of_depth(sensor, options)),
       pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 void LsdPipeline::take_results(const FrameTime& now, LsdMotion& motion, SlamUpdate& update) {
@@ -129,7 +134,7 @@ std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked
 
 AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const {
   return {current().id(), current_->world_from_keyframe.scale(), current().mean_inverse_depth(), world_from_camera,
-          tracked};
+          tracked,        current().attenuation()};
 }
 
 void LsdPipeline::doubt(SlamUpdate& update) const {

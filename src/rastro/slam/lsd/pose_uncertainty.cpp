@@ -20,15 +20,23 @@ Matrix6d in_world(const Matrix6d& covariance, const AlignedFrame& frame) {
 
 void PoseUncertainty::set_known(std::int64_t keyframe, const Eigen::Vector3d& position) {
   keyframes_.set(keyframe, position, Matrix6d::Zero());
+  shortening_[keyframe] = {position, Eigen::Vector3d::Zero()};
 }
 
 void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position, const AlignedFrame& frame) {
   if (keyframes_.contains(keyframe)) return;
+  shortening_[keyframe] = {position, shortening_of(frame)};
   // What all images have in common counts once, in of_frame(), but for a part that changes from view to view.
   constexpr double changing = 0.15;
   const Matrix6d own =
       errors_.alike * frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
   keyframes_.add(keyframe, frame.keyframe, position, in_world(own, frame), errors_.scale_drift * errors_.scale_drift);
+}
+
+Eigen::Vector3d PoseUncertainty::shortening_of(const AlignedFrame& frame) const {
+  const auto from = shortening_.find(frame.keyframe);
+  if (from == shortening_.end()) return Eigen::Vector3d::Zero();
+  return from->second.sum + frame.attenuation * (frame.world_from_camera.translation() - from->second.position);
 }
 
 Matrix6d PoseUncertainty::of_frame(const AlignedFrame& frame) const {
@@ -37,6 +45,8 @@ Matrix6d PoseUncertainty::of_frame(const AlignedFrame& frame) const {
   Matrix6d covariance = keyframes_.of_pose(frame.keyframe, position, in_world(own, frame));
   const double scale_variance = errors_.scale * errors_.scale + frame.scale_error * frame.scale_error;
   covariance.topLeftCorner<3, 3>() += scale_variance * position * position.transpose();
+  const Eigen::Vector3d shortening = errors_.attenuation * shortening_of(frame);
+  covariance.topLeftCorner<3, 3>() += shortening * shortening.transpose();
   return covariance;
 }
 

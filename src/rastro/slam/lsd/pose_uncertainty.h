@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 
 #include "rastro/backend/map_uncertainty.h"
 #include "rastro/math/se3.h"
@@ -17,6 +18,7 @@ struct AlignedFrame {
   double mean_inverse_depth = 0.0;  ///< Of the keyframe, in its unit.
   SE3 world_from_camera;
   ImageAlignment alignment;
+  double attenuation = 0.0;  ///< Of the keyframe, as AlignmentPoints::attenuation.
   double scale_error = 0.0;  ///< Of the keyframe's scale, as a share, beyond what scales drift.
 };
 
@@ -25,14 +27,16 @@ struct DepthErrorModel {
   double alike = 1.0;        ///< Pixels whose errors are alike: an alignment averages over that many fewer.
   double scale_drift = 0.0;  ///< Standard deviation of the scale's drift from a keyframe to the next, as share.
   double scale = 0.0;        ///< Standard deviation of all scales together, as share.
+  double attenuation = 0.0;  ///< Of the depths' errors: how much of it motions may be too short, standard deviation.
 };
-/// Of a pair or a depth camera: motion from noisy depths is too short, by 0.2 to 0.6 % on walks with a pair.
-inline DepthErrorModel errors_of_measured_depth() { return {2.0, 0.0, 0.003}; }
 /// Depths that follow from motion err like it, all along a surface.
 constexpr double depths_alike_of_one_camera = 30.0;
 inline DepthErrorModel errors_of_one_camera(double scale_drift) {
-  return {depths_alike_of_one_camera, scale_drift, 0.0};
+  return {depths_alike_of_one_camera, scale_drift, 0.0, 0.0};
 }
+inline DepthErrorModel errors_of_depth_camera() { return {2.0, 0.0, 0.003, 0.0}; }
+/// On walks motion is too short by what the errors of the depths say, or less: 0.2 to 0.6 %.
+inline DepthErrorModel errors_of_pair() { return {2.0, 0.0, 0.001, 1.2}; }
 
 /// About as much of a view is new as went out of it.
 inline double share_of_new(const ImageAlignment& tracked) { return 1.0 - tracked.overlap; }
@@ -54,8 +58,15 @@ class PoseUncertainty {
   Matrix6d of_frame(const AlignedFrame& frame) const;
 
  private:
+  Eigen::Vector3d shortening_of(const AlignedFrame& frame) const;
+
+  /// By what a pose is off if the motions that led to it are too short by their attenuations, to the same share each.
+  struct Shortening {
+    Eigen::Vector3d position, sum;
+  };
   DepthErrorModel errors_;
   MapUncertainty keyframes_;
+  std::map<std::int64_t, Shortening> shortening_;
 };
 
 }  // namespace rastro

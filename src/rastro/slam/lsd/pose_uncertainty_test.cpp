@@ -83,5 +83,22 @@ TEST(PoseUncertainty, DepthsThatErrAlikeAndTheirScaleCount) {
   EXPECT_NEAR(variance_of({.scale = 0.003}, 0), 0.01 + common + 0.03 * 0.03, 1e-9) << "along it";
 }
 
+/// There and back: what is missing on the way out is missing on the way back, if the depths are as uncertain.
+TEST(PoseUncertainty, MotionsThatAreTooShortAddUpAlongThePath) {
+  PoseUncertainty uncertainty({.attenuation = 1.0});
+  uncertainty.set_known(0, Eigen::Vector3d::Zero());
+  const auto frame_of = [](std::int64_t keyframe, double x, double attenuation) {
+    AlignedFrame frame = aligned(keyframe, ahead(x));
+    frame.attenuation = attenuation;
+    return frame;
+  };
+  const double common = uncertainty.of_frame(frame_of(0, 0.0, 0.01))(0, 0);
+  EXPECT_NEAR(uncertainty.of_frame(frame_of(0, 10.0, 0.01))(0, 0) - common, 0.1 * 0.1, 1e-5);
+  EXPECT_NEAR(uncertainty.of_frame(frame_of(0, 10.0, 0.01))(1, 1) - common, 0.0, 1e-5) << "across the path";
+  uncertainty.add(1, {10.0, 0.0, 0.0}, frame_of(0, 10.0, 0.01));
+  EXPECT_NEAR(uncertainty.of_frame(frame_of(1, 0.0, 0.01))(0, 0) - common, 0.0, 1e-5);
+  EXPECT_NEAR(uncertainty.of_frame(frame_of(1, 0.0, 0.002))(0, 0) - common, 0.08 * 0.08, 1e-5);
+}
+
 }  // namespace
 }  // namespace rastro

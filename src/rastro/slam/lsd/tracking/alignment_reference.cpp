@@ -26,7 +26,7 @@ void fill_points(AlignmentPoints& points, const std::vector<AlignmentPixel>& pix
   const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
   const auto fx = static_cast<float>(points.camera.fx), fy = static_cast<float>(points.camera.fy);
   const float per_fx = 1.0F / fx, per_fy = 1.0F / fy;
-  double sum = 0.0;
+  double sum = 0.0, squares = 0.0, variances = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const AlignmentPixel& pixel = pixels[i];
     points.x[i] = (static_cast<float>(pixel.x) - cx) * per_fx;
@@ -36,8 +36,12 @@ void fill_points(AlignmentPoints& points, const std::vector<AlignmentPixel>& pix
     points.intensity[i] = static_cast<float>(image.row(pixel.y)[pixel.x]) - AlignmentPoints::mid_intensity;
     points.gradient_x[i] = 0.5F * static_cast<float>(pixel.twice_gradient_x) * fx;
     points.gradient_y[i] = 0.5F * static_cast<float>(pixel.twice_gradient_y) * fy;
-    sum += static_cast<double>(points.inverse_depth[i]);
+    const auto inverse_depth = static_cast<double>(points.inverse_depth[i]);
+    sum += inverse_depth;
+    squares += inverse_depth * inverse_depth;
+    variances += static_cast<double>(points.variance[i]);
   }
+  points.attenuation = squares > 0.0 ? static_cast<float>(variances / squares) : 0.0F;
   points.mean_inverse_depth = pixels.empty() ? 0.0F : static_cast<float>(sum / static_cast<double>(pixels.size()));
 }
 

@@ -32,6 +32,9 @@ struct AlignmentPoints {
   int count = 0;
   LevelCamera camera;
   float mean_inverse_depth = 0.0F;
+  /// By which share motion from depths with these errors is too short, as any regression on noisy values attenuates
+  /// (Fuller 1987, "Measurement Error Models", section 1.1): sum of the variances / sum of the squared inverse depths.
+  float attenuation = 0.0F;
   std::vector<float> x, y;                    ///< Normalized ray (x, y, 1) in the reference camera.
   std::vector<float> inverse_depth;           ///< Inverse of the map's unit.
   std::vector<float> variance;                ///< Of the inverse depth.
