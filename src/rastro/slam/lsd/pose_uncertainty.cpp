@@ -25,12 +25,17 @@ void PoseUncertainty::set_known(std::int64_t keyframe, const Eigen::Vector3d& po
 
 void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position, const AlignedFrame& frame) {
   if (keyframes_.contains(keyframe)) return;
+  const auto from = shortening_.find(frame.keyframe);
+  const Eigen::Vector3d step = position - (from == shortening_.end() ? position : from->second.position);
   shortening_[keyframe] = {position, shortening_of(frame)};
   // What all images have in common counts once, in of_frame(), but for a part that changes from view to view.
   constexpr double changing = 0.15;
   const Matrix6d own =
       errors_.alike * frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
-  keyframes_.add(keyframe, frame.keyframe, position, in_world(own, frame), errors_.scale_drift * errors_.scale_drift);
+  Matrix6d of_step = in_world(own, frame);
+  const Eigen::Vector3d alternating = errors_.alternating * frame.attenuation * step;
+  of_step.topLeftCorner<3, 3>() += alternating * alternating.transpose();
+  keyframes_.add(keyframe, frame.keyframe, position, of_step, errors_.scale_drift * errors_.scale_drift);
 }
 
 Eigen::Vector3d PoseUncertainty::shortening_of(const AlignedFrame& frame) const {
