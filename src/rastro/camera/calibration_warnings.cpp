@@ -63,11 +63,15 @@ void check_distortion_size(const Camera& camera, std::vector<std::string>& warni
       if (const auto ray = camera.unproject({x, y})) narrowest = std::min(narrowest, ray->norm() / distorted.norm());
     }
   const double tangential = std::max(std::abs(camera.coefficients[2]), std::abs(camera.coefficients[3]));
-  if (narrowest > least_pincushion && tangential < largest_tangential) return;
+  std::string what;
+  if (narrowest < least_pincushion)
+    what = fmt::format("it moves a corner outward to {:.2g} times its distance", 1.0 / narrowest);
+  if (tangential > largest_tangential)
+    what += fmt::format("{}tangential coefficients up to {:.2g}", what.empty() ? "" : ", ", tangential);
+  if (what.empty()) return;
   warnings.push_back(fmt::format(
-      "the distortion is larger than that of a lens (it moves a corner outward to {:.2g} times its distance, "
-      "tangential coefficients up to {:.2g}): are the coefficients in the right order, and of this model?",
-      1.0 / narrowest, tangential));
+      "the distortion is larger than that of a lens ({}): are the coefficients in the right order, and of this model?",
+      what));
 }
 
 void check_distortion(const Camera& camera, std::vector<std::string>& warnings) {

@@ -45,7 +45,8 @@ struct Camera {
 Camera camera_from_field_of_view(double degrees, int width, int height);
 
 /// Plausibility check of a calibration: one plain line per doubt, empty without any. Checks focal length against width,
-/// fx against fy, principal point inside the image, distortion monotonic over the image.
+/// fx against fy, principal point inside the image, distortion monotonic over the image
+/// and not larger than that of a lens.
 std::vector<std::string> calibration_warnings(const Camera& camera);
 
 }  // namespace rastro

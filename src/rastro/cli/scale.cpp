@@ -21,7 +21,8 @@ namespace {
 
 constexpr const char* footer =
     R"(A map of one camera is known up to scale. This estimates the scale with its sigma and makes the map metric; of a run
-(its folder, or the map.rastro in it) also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt, map.png and result.json. Give one of:
+(its folder, or the map.rastro in it) also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt,
+map.png and result.json. Give one of:
   --length         distance in meters between two landmarks (ids: 'rastro export RUN --to landmarks --out landmarks.csv')
                    or, as f0,f120,METERS, between the camera positions of two frames. The sigma is from the residuals of
                    two or more lengths, from the landmarks' position sigmas of one, and unknown with one pair of frames
@@ -101,9 +102,11 @@ std::filesystem::path run_folder_of(const std::string& map, const std::string& f
 }
 
 void warn_of_contradiction(const std::string& file, const MapScale& before, const MapScaleFound& found) {
-  constexpr double least = 0.05, sure = 4.0;
+  constexpr double least = 0.05, sure = 4.0, if_unknown = 0.025;
+  const auto sigma = [](double given) { return given > 0.0 ? given : if_unknown; };
   const double difference = std::abs(std::log(found.meters_per_unit));
-  if (!before.metric || difference < std::max(least, sure * std::hypot(before.relative_sigma, found.relative_sigma)))
+  if (!before.metric ||
+      difference < std::max(least, sure * std::hypot(sigma(before.relative_sigma), sigma(found.relative_sigma))))
     return;
   log_warning(
       fmt::format("{} was in meters already, by {}: by {} its lengths are {:.3g} times as long, which is kept "

@@ -25,7 +25,7 @@ constexpr double clear_residuals = 0.8, least_mirror_evidence = 0.7;
 constexpr double constant_spread = 0.002;
 constexpr std::size_t least_depths = 500;
 constexpr int least_constant = 5;
-constexpr int least_empty = 20;
+constexpr int least_empty = 60;
 constexpr double empty_share = 0.005;  // Of the pixels: fewer with depth are none.
 
 Image<std::uint8_t> in_cells(const GrayImage& image) {
@@ -141,7 +141,7 @@ void DepthCheck::check_presence(const DepthImage& depth, InputWarnings& found) {
   found.push_back(
       {"depth_empty",
        fmt::format("{} of {} depth images are empty: fewer than {:g} % of their pixels have a depth; is the "
-                   "sensor covered, farther than it measures, or the depth factor wrong?",
+                   "sensor covered, the scene too near or too far, or the depth factor wrong?",
                    empty_, empty_ + filled_, 100.0 * empty_share)});
 }
 

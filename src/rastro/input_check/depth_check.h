@@ -21,7 +21,7 @@ class DepthCheck {
   /// Of the same frames: the motion of features with their depth.
   void add(const TrackedWindow& window, const Camera& camera, InputWarnings& found);
   /// Whether anything was found.
-  bool is_wrong() const { return said_ || said_constant_ || said_empty_; }
+  bool is_wrong() const { return said_ || said_constant_; }
 
  private:
   /// How much better the depth fits something else than its own image, one number per frame.

@@ -60,19 +60,23 @@ class Fit {
       last_from_first_ = SE3::exp(step.head<6>()) * last_from_first_;
       log_factor_ += std::clamp(step[6], -0.3, 0.3);
       if (std::abs(log_factor_) > largest_log_factor) return false;
-      if (step.norm() < converged) break;
+      if (step.norm() > converged) continue;
+      linearize();
+      return static_cast<double>(inliers_) > least_inlier_share * static_cast<double>(features_.size());
     }
-    linearize();
-    return static_cast<double>(inliers_) > least_inlier_share * static_cast<double>(features_.size());
+    return false;
   }
 
-  FocalFit result() const {
+  std::optional<FocalFit> result() const {
     const double variance = std::max(1.0, squares_ / std::max(1.0, 3.0 * inliers_ - unknowns));
     const Matrix7 covariance = information_.inverse();
-    return {log_factor_, std::sqrt(variance * covariance(6, 6))};
+    if (!(covariance(6, 6) > 0.0)) return std::nullopt;
+    return FocalFit{log_factor_, std::sqrt(variance * covariance(6, 6))};
   }
 
  private:
+  double sigma_of(double depth) const { return depth * (depth_sigma + error_growth_ * depth); }
+
   std::optional<Residual> residual(const Feature& feature) const {
     const double factor = std::exp(log_factor_);
     const Eigen::Vector2d sideways = feature.first_depth / factor * feature.first;
@@ -81,18 +85,23 @@ class Fit {
     const Eigen::Vector3d p = rotated + last_from_first_.translation();
     if (p.z() < 0.05 * feature.first_depth) return std::nullopt;
     const double inverse = 1.0 / p.z(), by_pixel = factor * inverse * focal_px_ / pixel_sigma;
-    const double z_sigma = feature.last_depth * (depth_sigma + error_growth_ * feature.last_depth);
+    const double z_sigma = std::hypot(sigma_of(feature.first_depth), sigma_of(feature.last_depth));
     Eigen::Matrix3d by_point;
     by_point << by_pixel, 0.0, -by_pixel * p.x() * inverse, 0.0, by_pixel, -by_pixel * p.y() * inverse, 0.0, 0.0,
         1.0 / z_sigma;
+    // The first depth's error moves the pixel too.
+    const Eigen::Vector2d moved =
+        sigma_of(feature.first_depth) / feature.first_depth * (by_point.topRows<2>() * rotated);
+    const double widened = std::sqrt(1.0 + moved.squaredNorm()), to_sigmas = focal_px_ / (pixel_sigma * widened);
+    by_point.topRows<2>() /= widened;
     Residual found;
     const Eigen::Vector2d ray = factor * inverse * p.head<2>();
-    found.error << focal_px_ / pixel_sigma * (ray - feature.last), (p.z() - feature.last_depth) / z_sigma;
+    found.error << to_sigmas * (ray - feature.last), (p.z() - feature.last_depth) / z_sigma;
     found.jacobian.leftCols<3>() = by_point;
     found.jacobian.middleCols<3>(3) = -by_point * hat(p);
     found.jacobian.col(6) =
         -by_point * (last_from_first_.rotation() * Eigen::Vector3d(sideways.x(), sideways.y(), 0.0));
-    found.jacobian.block<2, 1>(0, 6) += focal_px_ / pixel_sigma * ray;
+    found.jacobian.block<2, 1>(0, 6) += to_sigmas * ray;
     return found;
   }
 

@@ -20,7 +20,7 @@ constexpr double least_correction = 0.2, sure = 4.0;
 constexpr int least_adjusted = 3;
 // By depth: what a window may be off for reasons that its residuals do not show, such as depth of another camera.
 // Features err alike in groups, so that a sigma by their scatter is too small.
-constexpr double least_difference = 0.1, unseen_sigma = 0.03, alike = 2.0;
+constexpr double least_difference = 0.1, unseen_sigma = 0.03, sigma_factor = 2.0;
 constexpr int least_with_depth = 3;
 constexpr std::size_t given_factor = 2;
 constexpr double clearly_better = 0.8, clear_px = 0.15;
@@ -60,9 +60,9 @@ std::optional<FocalCheck::Residuals> FocalCheck::residuals_of(const TrackedWindo
   return residuals;
 }
 
-void FocalCheck::add(const TrackedWindow& window, InputWarnings& found) {
+void FocalCheck::add(const TrackedWindow& window, bool trusts_depth, InputWarnings& found) {
   if (!camera_ || said_) return;
-  compare_with_depth(window, found);
+  if (trusts_depth) compare_with_depth(window, found);
   if (said_) return;
   adjust(window, found);
   if (said_) return;
@@ -77,19 +77,19 @@ void FocalCheck::compare_with_depth(const TrackedWindow& window, InputWarnings& 
   if (!fit) return;
   by_depth_.add(*fit);
   const FocalFit mean = by_depth_.mean();
-  if (by_depth_.windows < least_with_depth || std::abs(mean.log_factor) < std::max(least_difference, sure * mean.sigma))
-    return;
+  const double limit = std::max(least_difference, sure * mean.sigma);
+  if (by_depth_.windows < least_with_depth || std::abs(mean.log_factor) < limit) return;
   said_ = true;
-  const double focal_px = 0.5 * (camera_->fx + camera_->fy) * std::exp(mean.log_factor);
+  const double focal_px = camera_->fx * std::exp(mean.log_factor);
   found.push_back({"focal_length",
                    fmt::format("features and depth move as with a {} focal length: {:.0f} +- {:.0f} px by {} windows, "
                                "the calibration has fx = {:.0f} px; check fx, fy and the image size of the calibration",
-                               mean.log_factor < 0.0 ? "shorter" : "longer", focal_px, 2.0 * mean.sigma * focal_px,
+                               mean.log_factor < 0.0 ? "shorter" : "longer", focal_px, mean.sigma * focal_px,
                                by_depth_.windows, camera_->fx)});
 }
 
 void FocalCheck::ByDepth::add(const FocalFit& fit) {
-  const double sigma = std::hypot(alike * fit.sigma, unseen_sigma), weight = 1.0 / (sigma * sigma);
+  const double sigma = std::hypot(sigma_factor * fit.sigma, unseen_sigma), weight = 1.0 / (sigma * sigma);
   ++windows;
   weights += weight;
   sum += weight * fit.log_factor;

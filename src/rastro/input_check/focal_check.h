@@ -14,14 +14,16 @@
 
 namespace rastro {
 
-/// Compares the calibrated focal length with multiples of it: how well does each explain the motion of features? A
-/// straight trajectory says nothing, and neither does a vehicle that hardly turns.
+/// Compares the calibrated focal length with multiples of it: how well does each explain the motion of features? And,
+/// where features have depth, with the one that fits both. A straight trajectory says nothing, and neither does a
+/// vehicle that hardly turns.
 class FocalCheck {
  public:
   explicit FocalCheck(const std::optional<Camera>& camera);
 
   /// Adds a warning to `found` once another focal length is surely better.
-  void add(const TrackedWindow& window, InputWarnings& found);
+  /// `trusts_depth`: nothing else was told about the depth or the pair.
+  void add(const TrackedWindow& window, bool trusts_depth, InputWarnings& found);
 
  private:
   static constexpr std::array<double, 5> factors = {0.5, 0.7, 1.0, 1.4, 2.0};

@@ -33,7 +33,16 @@ struct InputMonitor::Checks {
     if (!depth.is_wrong()) depth_delay.add(frame, found);
     if (!camera || !tracker.add(frame)) return;
     depth.add(tracker.window(), *camera, found);
-    focal.add(tracker.window(), found);
+    focal.add(tracker.window(), !is_depth_doubted(found), found);
+  }
+
+  /// By an earlier warning or one of `found`: depth that is not what it seems would be blamed on the focal length.
+  bool is_depth_doubted(const InputWarnings& found) const {
+    const auto doubts = [](const InputWarning& warning) {
+      return warning.kind.starts_with("stereo_") ||
+             (warning.kind.starts_with("depth_") && warning.kind != "depth_scale");
+    };
+    return std::any_of(warnings.begin(), warnings.end(), doubts) || std::any_of(found.begin(), found.end(), doubts);
   }
 
   std::optional<Camera> camera;

@@ -3,19 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace rastro {
 
 void StampCheck::add(const Frame& frame, InputWarnings& found) {
-  if (latest_ && frame.stamp < *latest_ && !said_) {
+  if (frame.image.empty()) return;
+  if (last_ && frame.stamp < *last_ && !said_) {
     said_ = true;
-    found.push_back({"stamps_backward",
-                     fmt::format("the stamps go back: frame {} is {:.3g} s earlier than one before it; such frames are "
-                                 "skipped, `rastro check` lists them",
-                                 frame.index, to_seconds(*latest_ - frame.stamp))});
+    found.push_back(
+        {"stamps_backward",
+         fmt::format("the stamps go back: frame {} is {:.3g} s earlier than the one before; most methods do "
+                     "not use such frames, `rastro check` lists them",
+                     frame.index, to_seconds(*last_ - frame.stamp))});
   }
-  latest_ = std::max(latest_.value_or(frame.stamp), frame.stamp);
+  last_ = frame.stamp;
 }
 
 }  // namespace rastro

@@ -9,13 +9,14 @@
 
 namespace rastro {
 
-/// Stamps that go back: methods skip such frames. The same stamp again is a repeated frame, which recorders write.
+/// Stamps of images that go back: most methods do not use a frame that is earlier than the one before. The same stamp
+/// again is a repeated frame, which recorders write; scans of laser logs are out of order now and then.
 class StampCheck {
  public:
   void add(const Frame& frame, InputWarnings& found);
 
  private:
-  std::optional<TimeNs> latest_;
+  std::optional<TimeNs> last_;
   bool said_ = false;
 };
 

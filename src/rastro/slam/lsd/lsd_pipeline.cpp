@@ -133,8 +133,12 @@ std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked
 }
 
 AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const {
-  return {current().id(), current_->world_from_keyframe.scale(), current().mean_inverse_depth(), world_from_camera,
-          tracked,        current().attenuation()};
+  return {current().id(),
+          current_->world_from_keyframe.scale(),
+          current().mean_inverse_depth(),
+          world_from_camera,
+          tracked,
+          current().attenuation()};
 }
 
 void LsdPipeline::doubt(SlamUpdate& update) const {

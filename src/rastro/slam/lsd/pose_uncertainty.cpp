@@ -33,8 +33,8 @@ void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position
   const Matrix6d own =
       errors_.alike * frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
   Matrix6d of_step = in_world(own, frame);
-  const Eigen::Vector3d alternating = errors_.alternating * frame.attenuation * step;
-  of_step.topLeftCorner<3, 3>() += alternating * alternating.transpose();
+  const Eigen::Vector3d missing = errors_.attenuation_of_step * frame.attenuation * step;
+  of_step.topLeftCorner<3, 3>() += missing * missing.transpose();
   keyframes_.add(keyframe, frame.keyframe, position, of_step, errors_.scale_drift * errors_.scale_drift);
 }
 

@@ -28,7 +28,7 @@ struct DepthErrorModel {
   double scale_drift = 0.0;  ///< Standard deviation of the scale's drift from a keyframe to the next, as share.
   double scale = 0.0;        ///< Standard deviation of all scales together, as share.
   double attenuation = 0.0;  ///< Of the depths' errors: how much of it motions may be too short, standard deviation.
-  double alternating = 0.0;  ///< The same, of each step to a keyframe for itself.
+  double attenuation_of_step = 0.0;  ///< The same, of each step to a keyframe for itself.
 };
 /// Depths that follow from motion err like it, all along a surface.
 constexpr double depths_alike_of_one_camera = 30.0;
@@ -36,8 +36,9 @@ inline DepthErrorModel errors_of_one_camera(double scale_drift) {
   return {depths_alike_of_one_camera, scale_drift, 0.0, 0.0, 0.0};
 }
 inline DepthErrorModel errors_of_depth_camera() { return {2.0, 0.0, 0.003, 0.0, 0.0}; }
-/// On walks motion is too short by what the errors of the depths say, about, by 0.2 to 0.6 %, and for some twenty
-/// keyframes in a row by more or less than that.
+/// On walks motion is too short by what the errors of the depths say, about, by 0.2 to 0.6 %, and for some
+/// twenty keyframes in a row by half more or less than that: as if each step erred by sqrt(20) times as much for
+/// itself.
 inline DepthErrorModel errors_of_pair() { return {2.0, 0.0, 0.001, 1.2, 2.0}; }
 
 /// About as much of a view is new as went out of it.
