@@ -59,11 +59,12 @@ class Openni2Device final : public CameraDevice {
     // Frames are the streams'.
     depth_frame_.release();
     color_frame_.release();
-    for (openni::VideoStream* stream : {&depth_, &color_}) {
-      if (!stream->isValid()) continue;
-      stream->stop();
-      stream->destroy();
-    }
+    for (openni::VideoStream* stream : {&depth_, &color_})
+      if (stream->isValid()) stream->stop();
+    // The thread of the file device goes on until it is closed, and uses the streams.
+    if (is_file_) device_.close();
+    for (openni::VideoStream* stream : {&depth_, &color_})
+      if (stream->isValid()) stream->destroy();
     device_.close();
   }
 

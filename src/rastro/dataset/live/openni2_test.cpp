@@ -198,11 +198,14 @@ TEST_F(OpenNi2, ARecordingIsPlayedAsItWasRecordedAndItsEndIsTold) {
   const std::vector<Given> given = read_given(file() + ".depth");
   OpenOptions options;
   options.want_color = true;
-  const auto source = open_openni2("openni2:" + file(), file(), options, clock_);
-  EXPECT_TRUE(source->info().has_depth);
-  const std::vector<Frame> frames = read_all(*source, 1000);
-  EXPECT_EQ(source->condition().state, LiveState::ended);
   // OpenNI2 keeps the newest image alone: on a busy machine some are missed.
+  std::vector<Frame> frames;
+  for (int attempt = 0; attempt < 3 && frames.size() < 3; ++attempt) {
+    const auto source = open_openni2("openni2:" + file(), file(), options, clock_);
+    EXPECT_TRUE(source->info().has_depth);
+    frames = read_all(*source, 1000);
+    EXPECT_EQ(source->condition().state, LiveState::ended);
+  }
   ASSERT_GE(frames.size(), 3U);
   for (const Frame& frame : frames) {
     ASSERT_EQ(frame.depth.width(), width);
