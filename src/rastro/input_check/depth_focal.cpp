@@ -33,7 +33,7 @@ std::vector<Feature> features_of(const TrackedWindow& window, const Camera& came
     if (!(window.start_depths[i] > 0.0F) || !(window.end_depths[i] > 0.0F)) continue;
     const auto first = camera.unproject(window.tracks[i].front().cast<double>()),
                last = camera.unproject(window.tracks[i].back().cast<double>());
-    if (first && last)
+    if (first && last && std::isfinite(window.start_depths[i]) && std::isfinite(window.end_depths[i]))
       features.push_back(
           {*first, *last, static_cast<double>(window.start_depths[i]), static_cast<double>(window.end_depths[i])});
   }
@@ -70,7 +70,7 @@ class Fit {
   std::optional<FocalFit> result() const {
     const double variance = std::max(1.0, squares_ / std::max(1.0, 3.0 * inliers_ - unknowns));
     const Matrix7 covariance = information_.inverse();
-    if (!(covariance(6, 6) > 0.0)) return std::nullopt;
+    if (!(covariance(6, 6) > 0.0) || !std::isfinite(covariance(6, 6))) return std::nullopt;
     return FocalFit{log_factor_, std::sqrt(variance * covariance(6, 6))};
   }
 

@@ -17,9 +17,8 @@ struct FocalFit {
 
 /// The focal length with which depth and features of the first and the last frame of a window show one rigid scene.
 /// With a wrong one the scene is stretched sideways against its depth, so that a rotation makes the depths change by
-/// more or less than they do. A depth that is some times too long or too
-/// short makes no difference. nullopt without depth in both
-/// frames, or where no motion explains them.
+/// more or less than they do. Depths that are all too long or too short by one factor make no difference. nullopt
+/// without depth in both frames, or where no motion explains them.
 std::optional<FocalFit> focal_from_depth(const TrackedWindow& window, const Camera& camera);
 
 }  // namespace rastro

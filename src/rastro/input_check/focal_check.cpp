@@ -78,7 +78,7 @@ void FocalCheck::compare_with_depth(const TrackedWindow& window, InputWarnings& 
   by_depth_.add(*fit);
   const FocalFit mean = by_depth_.mean();
   const double limit = std::max(least_difference, sure * mean.sigma);
-  if (by_depth_.windows < least_with_depth || std::abs(mean.log_factor) < limit) return;
+  if (by_depth_.windows < least_with_depth || !(std::abs(mean.log_factor) >= limit)) return;
   said_ = true;
   const double focal_px = camera_->fx * std::exp(mean.log_factor);
   found.push_back({"focal_length",

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "rastro/base/random.h"
 #include "rastro/math/se3.h"
@@ -81,6 +82,14 @@ TEST(DepthFocal, FindsTheFocalLengthOfOneWindowWhateverTheUnitOfDepth) {
       EXPECT_LT(fit->sigma, 0.03);
     }
   }
+}
+
+TEST(DepthFocal, AnInfiniteDepthIsNone) {
+  TrackedWindow window = turn_with_depth(1.0, 3);
+  window.start_depths[5] = window.end_depths[9] = std::numeric_limits<float>::infinity();
+  const auto fit = focal_from_depth(window, wide_camera(0.8));
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->log_factor, -std::log(0.8), 0.05);
 }
 
 TEST(DepthFocal, NeedsDepthInBothFrames) {

@@ -20,7 +20,8 @@ struct TrackedWindow {
   /// One per feature: its pixel in the first frame and in those after it, as long as it was followed.
   std::vector<std::vector<Eigen::Vector2f>> tracks;
   std::size_t frames = 0;
-  /// Depth in the first frame, meters, one per feature; 0: none. And that of the pixel mirrored left to right.
+  /// By a depth camera alone, to find it mirrored: depth in the first frame, meters, one per feature; 0: none. And that
+  /// of the pixel mirrored left to right.
   std::vector<float> first_depths, mirrored_depths;
   /// Depths in the first and in the last frame, of a depth camera or by a pair, meters, one per feature; 0: none, or
   /// the feature was lost.
