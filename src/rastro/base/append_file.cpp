@@ -22,12 +22,21 @@ namespace {
               "check the path, the permissions and the space left");
 }
 
+/// A device, a pipe or a link (such as /dev/stdout): a new file must not take its place.
+bool is_written_through(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path, ignored);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+}
+
 }  // namespace
 
 AppendFile::AppendFile(std::filesystem::path path, Former former) : path_(std::move(path)) {
   const int emptied = former == Former::dropped ? O_TRUNC : 0;
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | emptied | O_APPEND | O_CLOEXEC, 0644);
+  // O_NONBLOCK: a pipe that nobody reads is an error, not a wait without end.
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | emptied | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
   if (descriptor_ < 0) fail(path_, "created", errno);
+  ::fcntl(descriptor_, F_SETFL, ::fcntl(descriptor_, F_GETFL) & ~O_NONBLOCK);
 }
 
 AppendFile::~AppendFile() {
@@ -48,12 +57,14 @@ void write_whole_file(const std::filesystem::path& path, std::string_view text) 
 }
 
 void write_whole_file(const std::filesystem::path& path, const std::function<void(const PutPiece&)>& make) {
+  const auto write = [&make](const std::filesystem::path& to) {
+    AppendFile file(to);
+    make([&file](std::string_view piece) { file.append(piece); });
+  };
+  if (is_written_through(path)) return write(path);
   std::filesystem::path partial = path;
   partial += ".partial";
-  {
-    AppendFile file(partial);
-    make([&file](std::string_view piece) { file.append(piece); });
-  }
+  write(partial);
   std::error_code code;
   std::filesystem::rename(partial, path, code);
   if (code) fail(path, "put in place", code.value());

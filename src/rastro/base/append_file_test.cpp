@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/base/append_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
@@ -56,6 +59,31 @@ TEST(WriteWholeFile, JoinsPiecesAndKeepsTheFormerFileUntilTheLast) {
     put("pieces");
   });
   EXPECT_EQ(read_whole_file(path), "two pieces");
+}
+
+TEST(WriteWholeFile, ALinkStaysALink) {
+  const auto target = scratch_path("target.txt"), link = scratch_path("link.txt");
+  write_whole_file(target, "a former text");
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(target, link);
+  write_whole_file(link, "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read_whole_file(target), "new");
+}
+
+TEST(WriteWholeFile, APipeIsWrittenIfSomebodyReadsIt) {
+  const auto pipe = scratch_path("pipe");
+  std::filesystem::remove(pipe);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(write_whole_file(pipe, "x"), Error);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_whole_file(pipe, "text");
+  char text[8] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 4);
+  ::close(reader);
+  EXPECT_STREQ(text, "text");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/text_file.h"
@@ -82,13 +82,6 @@ LensModel model_named(const std::string& name) {
               "choose auto, pinhole4, pinhole5, pinhole8 or equidistant");
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error("cannot be written", path.string(), "is there space, and may you write there?");
-}
-
 void refuse_existing_output(const Flags& flags) {
   if (flags.out.empty()) throw Error("is missing", "--out", "say where the result goes");
   if (!flags.force && std::filesystem::exists(flags.out))
@@ -100,7 +93,7 @@ void make_board(const Flags& flags) {
   refuse_existing_output(flags);
   const bool pdf = flags.out.ends_with(".pdf");
   if (!pdf && !flags.out.ends_with(".svg")) throw Error("is neither .svg nor .pdf", flags.out, "name the file so");
-  write_text(flags.out, pdf ? board_pdf(board) : board_svg(board));
+  write_whole_file(flags.out, pdf ? board_pdf(board) : board_svg(board));
   if (!flags.data.quiet)
     fmt::print("{} written: print it at 100 %, glue it to something flat, measure it\n", flags.out);
 }
@@ -111,19 +104,19 @@ void write_files(const CalibrationReport& report, const Board& board, const std:
   std::filesystem::create_directories(folder, failed);
   if (failed) throw Error("cannot be made", folder.string(), "may you write there?");
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
-    write_text(folder / (cameras[camera].name + ".yaml"), ros_calibration_text(cameras, camera));
+    write_whole_file(folder / (cameras[camera].name + ".yaml"), ros_calibration_text(cameras, camera));
     const std::string suffix = cameras.size() > 1 ? "_" + cameras[camera].name : "";
     // mrcal's boards are regular grids.
     if (board.kind != BoardKind::apriltag)
-      write_text(folder / ("corners" + suffix + ".vnl"), calibration_corners(report, camera));
+      write_whole_file(folder / ("corners" + suffix + ".vnl"), calibration_corners(report, camera));
     write_residual_image(report, camera, (folder / ("residuals" + suffix + ".png")).string());
     write_uncertainty_image(report, camera, (folder / ("uncertainty" + suffix + ".png")).string());
   }
-  write_text(folder / "opencv.yaml", opencv_calibration_text(cameras));
+  write_whole_file(folder / "opencv.yaml", opencv_calibration_text(cameras));
   // Kalibr has no rational model.
   if (cameras.front().camera.distortion != Distortion::rational)
-    write_text(folder / "camchain.yaml", kalibr_calibration_text(cameras));
-  write_text(folder / "calibration.json", calibration_json(report));
+    write_whole_file(folder / "camchain.yaml", kalibr_calibration_text(cameras));
+  write_whole_file(folder / "calibration.json", calibration_json(report));
 }
 
 /// The boards of the calibration with their depth.
@@ -153,7 +146,7 @@ DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& r
 }
 
 void append_depth(const std::string& depth_text, const std::filesystem::path& path) {
-  write_text(path, read_text_file(path.string()) + depth_text);
+  write_whole_file(path, read_text_file(path.string()) + depth_text);
 }
 
 /// What does not go together.

@@ -23,17 +23,6 @@ std::int64_t frame_number(std::string_view text, std::int64_t if_empty, const st
   return *number;
 }
 
-void set_frames(const std::string& text, OpenOptions& options) {
-  if (text.empty()) return;
-  const auto ends = split(text, ':');
-  if (ends.size() != 2) frame_number("?", 0, text);
-  options.first_frame = frame_number(ends[0], options.first_frame, text);
-  options.end_frame = frame_number(ends[1], options.end_frame, text);
-  if (options.first_frame >= options.end_frame) {
-    throw Error(fmt::format("{} is an empty range of frames", in_quotes(text)), "--frames", "give A:B with A below B");
-  }
-}
-
 std::array<double, 4> parse_intrinsics(const std::string& text) {
   const auto pieces = split(text, ',');
   std::array<double, 4> values{};
@@ -51,6 +40,17 @@ std::array<double, 4> parse_intrinsics(const std::string& text) {
 }
 
 }  // namespace
+
+void set_frames(const std::string& text, OpenOptions& options) {
+  if (text.empty()) return;
+  const auto ends = split(text, ':');
+  if (ends.size() != 2) frame_number("?", 0, text);
+  options.first_frame = frame_number(ends[0], options.first_frame, text);
+  options.end_frame = frame_number(ends[1], options.end_frame, text);
+  if (options.first_frame >= options.end_frame) {
+    throw Error(fmt::format("{} is an empty range of frames", in_quotes(text)), "--frames", "give A:B with A below B");
+  }
+}
 
 void add_data_flags(CLI::App& command, DataFlags& flags) {
   const std::string data = "Input", calibration = "Calibration (default: that of the recording)", run = "General";

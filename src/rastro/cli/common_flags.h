@@ -29,6 +29,8 @@ struct DataFlags {
   bool quiet = false;               ///< --quiet
 };
 
+/// "A:B" of --frames; empty: all. Error for anything else.
+void set_frames(const std::string& text, OpenOptions& options);
 void add_data_flags(CLI::App& command, DataFlags& flags);
 /// Error for values out of range, naming the flag.
 OpenOptions open_options(const DataFlags& flags);

@@ -167,6 +167,7 @@ int compare(const Flags& given) {
     fmt::print("{}", session.plan_text());
     return done;
   }
+  const auto scored_imports = score_imports(imports, session.inputs(), session.recordings(), session.columns());
   std::vector<StrengthCurve> strengths;
   bool complete = session.run();
   if (complete && !ladders.empty()) complete = climb_ladders(ladders, session, strengths);
@@ -174,7 +175,7 @@ int compare(const Flags& given) {
   comparison.strengths = strengths;
   comparison.paper = flags.paper;
   if (flags.paper && complete) comparison.front_end = front_end_figures(comparison.inputs, session.recordings());
-  add_imports(imports, session.recordings(), comparison);
+  add_imports(scored_imports, comparison);
   comparison.command = command_line();
   if (!complete)
     fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", comparison.runs.size(),

@@ -226,6 +226,9 @@ void add_input_flags(CLI::App& command, Flags& flags) {
   command.add_option("--times", flags.files.times, "Timestamps of KITTI poses (default: FILE_times.txt or times.txt)")
       ->type_name("FILE");
   command
+      .add_option("--frames", flags.files.frames, "Frames A to B-1 of the recording of REF only (default: all)")
+      ->type_name("A:B");
+  command
       .add_option("--estimate-of", flags.files.estimate_of,
                   "What the poses of EST are of (default: camera, if REF is of the body and T_BS is known)")
       ->type_name("camera|body");

@@ -20,6 +20,13 @@ bool is_image(const std::filesystem::path& path) {
   return std::find(std::begin(known), std::end(known), extension) != std::end(known);
 }
 
+bool is_black(GrayView image) {
+  for (int y = 0; y < image.height; ++y)
+    if (std::any_of(image.row(y), image.row(y) + image.width, [](std::uint8_t value) { return value != 0; }))
+      return false;
+  return true;
+}
+
 std::string stem_of(const std::string& name) { return std::filesystem::path(name).stem().string(); }
 
 }  // namespace
@@ -29,6 +36,9 @@ Masks::Masks(const std::filesystem::path& path) : path_(path) {
   is_folder_ = std::filesystem::is_directory(path, code);
   if (!is_folder_) {
     mask_ = read_image(path.string()).gray;
+    if (is_black(mask_))
+      throw Error("the mask is black everywhere, so there would be no features", path.string(),
+                  "make it white where features may be detected");
     return;
   }
   for (const auto& entry : std::filesystem::directory_iterator(path, code)) {

@@ -188,6 +188,9 @@ TEST(Masks, OneFileIsForAllAndMustHaveTheSizeOfTheImages) {
   for (const std::int64_t frame : {0, 7}) EXPECT_EQ(masks.mask_of(frame_of(frame, "x")).at(0, 0), 10);
   EXPECT_TRUE(holds(error_of([&] { masks.mask_of(frame_of(0, "x", 5)); }), "the mask is 4x3, but the images are 5x3"));
   EXPECT_TRUE(holds(error_of([] { Masks empty(folder_of_masks({})); }), "no image in this folder"));
+  const auto black = folder_of_masks({}) / "black.pgm";
+  write_whole_file(black, "P5\n2 1\n255\n" + std::string(2, '\0'));
+  EXPECT_TRUE(holds(error_of([&] { Masks all_black(black); }), "the mask is black everywhere"));
 }
 
 TEST(EmptyValues, AreRefusedUpToTheEndOfTheFlags) {

@@ -8,7 +8,6 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
-#include "rastro/export/match_image.h"
 #include "rastro/export/track_images.h"
 #include "rastro/export/track_table.h"
 #include "rastro/export/tracks_jsonl.h"
@@ -75,9 +74,10 @@ void TrackOutputs::add_track_images(const TrackFlags& flags, const RunFolder& fo
     contents_.emplace_back("track_images/", "every frame with its features");
   }
   if (const auto frames = match_frames(flags)) {
-    const std::string name = fmt::format("match_{}_{}.png", frames->first, frames->second);
-    images_.push_back(std::make_unique<MatchImage>(folder.file(name), frames->first, frames->second));
-    contents_.emplace_back(name, "magenta: tracked throughout, green: lost and re-identified");
+    match_name_ = fmt::format("match_{}_{}.png", frames->first, frames->second);
+    auto match = std::make_unique<MatchImage>(folder.file(match_name_), frames->first, frames->second);
+    match_ = match.get();
+    images_.push_back(std::move(match));
   }
   if (!flags.video.empty()) {
     images_.push_back(std::make_unique<TrackVideo>(flags.video));
@@ -92,5 +92,12 @@ std::vector<TrackSink*> TrackOutputs::text_sinks() const {
 }
 
 std::vector<TrackSink*> TrackOutputs::image_sinks() const { return pointers(images_); }
+
+std::vector<std::pair<std::string, std::string>> TrackOutputs::contents() const {
+  auto written = contents_;
+  if (match_ && match_->counts())
+    written.emplace_back(match_name_, "magenta: tracked throughout, green: lost and re-identified");
+  return written;
+}
 
 }  // namespace rastro::cli

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/camera/calibration_file.h"
+#include "rastro/cli/common_flags.h"
 #include "rastro/dataset/open.h"
 
 namespace rastro::cli {
@@ -51,46 +53,30 @@ std::optional<CameraMount> mount_beside(const std::string& ground_truth_file_nam
   return mount_of_file(file.lexically_normal().string());
 }
 
-/// First and last stamp of the frames of a recording.
-struct Span {
-  TimeNs first = 0, last = 0;
-};
-
 /// A reference and what is found with it.
 struct Found {
   TrajectoryInput input;
   bool of_body = false;
   bool compare_in_body = false;
   std::optional<CameraMount> mount;
-  std::optional<Span> recording;
+  std::optional<StampSpan> recording;
 };
 
-std::optional<Span> span_of_recording(const std::string& path) {
-  OpenOptions options;
-  options.read_ahead = 0;
-  const auto first = open(path, options);
-  options.first_frame = first->info().frame_count - 1;
-  if (options.first_frame < 0 || !first->info().has_stamps) return std::nullopt;
-  const auto begin = first->next(), end = open(path, options)->next();
-  if (!begin || !end) return std::nullopt;
-  return Span{begin->stamp, end->stamp};
-}
-
 /// Of the EuRoC or TUM recording that a ground-truth file lies in.
-std::optional<Span> span_beside(const fs::path& ground_truth_file_name) {
+std::optional<StampSpan> span_beside(const fs::path& ground_truth_file_name) {
   const fs::path folder = ground_truth_file_name.parent_path();
   try {
-    if (is_file(folder / ".." / "cam0" / "data.csv")) return span_of_recording((folder / "..").string());
+    if (is_file(folder / ".." / "cam0" / "data.csv")) return span_of_recording((folder / "..").string(), {});
     if (ground_truth_file_name.filename() == "groundtruth.txt" && is_file(folder / "rgb.txt"))
-      return span_of_recording(folder.string());
+      return span_of_recording(folder.string(), {});
   } catch (const Error&) {
     // A recording whose images are missing still has its ground truth.
   }
   return std::nullopt;
 }
 
-/// Ground truth is often longer than the recording: an estimate cannot have poses without frames.
-void keep_span(TrajectoryInput& input, const Span& span, std::string& said) {
+/// Ground truth is often longer than the recording: an estimate cannot have poses without frames. False: none is within.
+bool keep_span(TrajectoryInput& input, const StampSpan& span, std::string& said) {
   constexpr TimeNs slack = 20'000'000;
   TrajectoryInput kept = input;
   kept.poses.clear();
@@ -100,9 +86,23 @@ void keep_span(TrajectoryInput& input, const Span& span, std::string& said) {
     kept.poses.push_back(input.poses[k]);
     kept.matrices.push_back(input.matrices[k]);
   }
-  if (kept.poses.empty() || kept.poses.size() == input.poses.size()) return;
+  if (kept.poses.empty() || kept.poses.size() == input.poses.size()) return !kept.poses.empty();
   said += fmt::format("; only the {} of {} that lie within the recording", kept.poses.size(), input.poses.size());
   input = std::move(kept);
+  return true;
+}
+
+/// A single file gives its poses with all their digits; KITTI's lie apart from their stamps (poses/00.txt).
+TrajectoryInput ground_truth_of(const SourceInfo& info, const std::string& times) {
+  TrajectoryInput of_recording = trajectory_input_from(info.ground_truth, info.ground_truth_file);
+  if (!is_file(info.ground_truth_file)) return of_recording;
+  TrajectoryInput of_file = read_trajectory_input(info.ground_truth_file, times);
+  if (of_file.has_stamps || !info.has_stamps) return of_file;
+  if (of_file.poses.size() != of_recording.poses.size()) return of_recording;
+  of_file.poses = std::move(of_recording.poses);
+  of_file.has_stamps = true;
+  of_file.stamps_from = of_recording.stamps_from;
+  return of_file;
 }
 
 Found read_recording(const std::string& path, const std::string& times) {
@@ -111,12 +111,10 @@ Found read_recording(const std::string& path, const std::string& times) {
   if (info.ground_truth.empty())
     throw Error("has no ground truth", path, "give a trajectory file, or a recording with ground truth");
   Found found;
-  // A single file gives its poses with all their digits.
-  found.input = is_file(info.ground_truth_file) ? read_trajectory_input(info.ground_truth_file, times)
-                                                : trajectory_input_from(info.ground_truth, info.ground_truth_file);
+  found.input = ground_truth_of(info, times);
   found.of_body = info.ground_truth_frame == "body";
   found.compare_in_body = info.format == "kitti_raw";
-  found.recording = found.input.format == TrajectoryFormat::kitti ? std::nullopt : span_of_recording(path);
+  found.recording = found.input.format == TrajectoryFormat::kitti ? std::nullopt : span_of_recording(path, {});
   if (info.cameras.empty()) return found;  // a laser's
   const CalibratedCamera& camera = info.cameras.front();
   if (camera.body_from_camera) found.mount = CameraMount{*camera.body_from_camera, camera.calibration_file};
@@ -143,12 +141,37 @@ bool starts_at_identity(const TrajectoryInput& input) {
   return first.rotation().log().norm() < 1e-3 && first.translation().norm() < 1e-3;
 }
 
+/// Of the reference, those of some frames.
+void keep_frames(TrajectoryInput& input, const std::string& path, const std::string& frames, std::string& said) {
+  OpenOptions options;
+  set_frames(frames, options);
+  if (!input.has_stamps) throw Error("has no timestamps, so its frames are unknown", path, "omit --frames");
+  fs::path recording = path;
+  if (!is_folder(path)) recording = recording.parent_path();
+  if (recording.filename() == "state_groundtruth_estimate0") recording = recording.parent_path();
+  const auto span = span_of_recording(recording.empty() ? "." : recording.string(), options);
+  if (!span || !keep_span(input, *span, said))
+    throw Error(fmt::format("has no pose at frames {}", frames), path, "omit --frames");
+}
+
 void require_known(const std::string& estimate_of) {
   if (estimate_of.empty() || estimate_of == "camera" || estimate_of == "body") return;
   throw Error(in_quotes(estimate_of) + " is not camera or body", "--estimate-of", "give one of them");
 }
 
 }  // namespace
+
+std::optional<StampSpan> span_of_recording(const std::string& path, OpenOptions options) {
+  options.read_ahead = 0;
+  options.want_color = options.want_depth = options.want_right = false;
+  const auto chosen = open(path, options);
+  const std::int64_t end = std::min(options.end_frame, chosen->info().frame_count);
+  if (end <= options.first_frame || !chosen->info().has_stamps) return std::nullopt;
+  options.first_frame += (end - 1 - options.first_frame) / options.every * options.every;
+  const auto first = chosen->next(), last = open(path, options)->next();
+  if (!first || !last) return std::nullopt;
+  return StampSpan{first->stamp, last->stamp};
+}
 
 ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags) {
   require_known(flags.estimate_of);
@@ -174,7 +197,10 @@ ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFile
     reference.of_body = found.of_body;
     reference.frames = found.of_body ? "of the body; the estimate is compared as it is" : "compared as they are";
   }
-  if (found.recording) keep_span(reference.input, *found.recording, reference.frames);
+  if (!flags.frames.empty())
+    keep_frames(reference.input, path, flags.frames, reference.frames);
+  else if (found.recording)
+    keep_span(reference.input, *found.recording, reference.frames);
   reference.camera_world =
       !reference.of_body && (reference.input.format == TrajectoryFormat::kitti || starts_at_identity(reference.input));
   return reference;

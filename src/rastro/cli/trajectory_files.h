@@ -4,16 +4,26 @@
 #include <optional>
 #include <string>
 
+#include "rastro/dataset/open.h"
 #include "rastro/evaluate/pose_consistency.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/math/se3.h"
 
 namespace rastro::cli {
 
+/// First and last stamp of the frames of a recording.
+struct StampSpan {
+  TimeNs first = 0, last = 0;
+};
+
+/// Of the frames that the options choose; nullopt where there are none, or no stamps.
+std::optional<StampSpan> span_of_recording(const std::string& path, OpenOptions options);
+
 struct TrajectoryFileFlags {
   std::string times;             ///< --times FILE: stamps of KITTI poses.
   std::string estimate_of;       ///< --estimate-of camera|body; empty: detected.
   std::string body_from_camera;  ///< --body-from-camera FILE.
+  std::string frames;            ///< --frames A:B of the recording that the reference is or lies in; empty: all.
 };
 
 /// A reference, ready to be compared with the estimates.
@@ -30,7 +40,8 @@ struct ReferenceTrajectory {
 /// converted to one of the camera where the estimate is the camera's and T_BS is known: from --body-from-camera, the
 /// recording, or ../cam0/sensor.yaml beside EuRoC's state_groundtruth_estimate0/data.csv. Only KITTI raw is compared in
 /// the frame of its IMU. Where the reference lies in a EuRoC or TUM recording, its poses before the first frame and
-/// after the last one are omitted. Error for what cannot be read, and for --estimate-of camera without a T_BS.
+/// after the last one are omitted, with --frames of any recording. Error for what cannot be read, for --estimate-of
+/// camera without a T_BS, and for frames without a pose of the reference.
 ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags);
 
 /// world_from_camera.

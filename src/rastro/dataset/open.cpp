@@ -76,6 +76,8 @@ std::optional<Recording> index_recording(const std::string& path, const OpenOpti
   auto recording = guess(path, options);
   if (!recording) refuse_folder(path);
   recording->info.frame_count = static_cast<std::int64_t>(recording->frames.size());
+  if (options.rate_hz > 0.0 && recording->info.has_stamps)
+    recording->info.warnings.push_back("--rate is for data without stamps; those of the recording are used");
   finish_calibration(recording->info, options, first_image_size(*recording));
   return recording;
 }

@@ -181,6 +181,9 @@ TEST(OpenImages, FolderGlobAndOne) {
 TEST(Open, FramesAreSoughtAndKeepTheirNumbers) {
   const ScratchFolder folder;
   write_euroc(folder, 9);
+  OpenOptions other_rate;
+  other_rate.rate_hz = 5.0;
+  EXPECT_THAT(open(folder.path(), other_rate)->info().warnings, Contains(HasSubstr("those of the recording are used")));
   // Frames that are not chosen are not even opened.
   folder.write("mav0/cam0/data/1400000000050000000.png", "broken");
   OpenOptions options;

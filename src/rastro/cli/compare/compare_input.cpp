@@ -123,7 +123,7 @@ OpenOptions open_options_of(const std::string& path, const std::vector<std::stri
   return open_options(flags);
 }
 
-InputFacts facts_of(const SourceInfo& info) {
+InputFacts facts_of(const SourceInfo& info, const std::optional<StampSpan>& span) {
   InputFacts facts;
   facts.has_image = info.has_image;
   facts.has_right = info.has_right, facts.has_depth = info.has_depth;
@@ -131,8 +131,11 @@ InputFacts facts_of(const SourceInfo& info) {
   facts.frames = info.frame_count;
   facts.has_ground_truth = !info.ground_truth.empty();
   if (!facts.has_ground_truth) return facts;
-  facts.path_m = path_of(info.ground_truth);
-  const std::vector<double> speeds = speeds_of(info.ground_truth);
+  Trajectory poses = info.ground_truth;
+  if (span)
+    std::erase_if(poses, [&](const StampedPose& pose) { return pose.stamp < span->first || pose.stamp > span->last; });
+  facts.path_m = path_of(poses);
+  const std::vector<double> speeds = speeds_of(poses);
   if (!speeds.empty()) facts.speed_m_s = median(speeds);
   return facts;
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "rastro/cli/benchmark/benchmark_list.h"
+#include "rastro/cli/trajectory_files.h"
 #include "rastro/dataset/open.h"
 
 namespace rastro::cli {
@@ -16,8 +18,8 @@ struct InputFacts {
   bool has_odometry = false, has_ground_truth = false;
   std::int64_t frames = 0;  ///< Of the recording; -1 if unknown.
   double rate_hz = 0.0;     ///< Of the frames; 0 if unknown.
-  double path_m = 0.0;      ///< Of the ground truth; 0 without.
-  double speed_m_s = 0.0;   ///< Median along the ground truth; 0 without.
+  double path_m = 0.0;      ///< Of the ground truth at the chosen frames; 0 without.
+  double speed_m_s = 0.0;   ///< Median along it; 0 without.
 };
 
 /// One input of a comparison: a recording or a simulated world.
@@ -30,6 +32,8 @@ struct CompareInput {
   bool is_special = false;  ///< Wrong on purpose, or localized in a map: no example of a use case.
 
   bool is_world() const { return !input.world.empty(); }
+  /// Of the recording, as --frames; empty: all. Worlds are simulated with their frames alone.
+  std::string frames() const { return is_world() ? "" : input.frames; }
 };
 
 /// What all inputs have in common.
@@ -51,7 +55,7 @@ std::vector<CompareInput> parse_compare_inputs(const std::vector<std::string>& t
 /// ignored. Error for wrong values.
 OpenOptions open_options_of(const std::string& path, const std::vector<std::string>& words);
 
-/// Of the opened recording.
-InputFacts facts_of(const SourceInfo& info);
+/// Of the opened recording; of its ground truth only what lies in the span, where one is given.
+InputFacts facts_of(const SourceInfo& info, const std::optional<StampSpan>& span);
 
 }  // namespace rastro::cli

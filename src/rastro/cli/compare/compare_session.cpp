@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/cli/benchmark/benchmark_parts.h"
+#include "rastro/cli/common_flags.h"
 #include "rastro/cli/compare/compare_list.h"
 #include "rastro/cli/compare/paper_tables.h"
 
@@ -31,15 +32,17 @@ double rate_of(Source& source) {
   return second && second->stamp > first->stamp ? 1.0 / to_seconds(second->stamp - first->stamp) : 0.0;
 }
 
-InputFacts facts_of_recording(const std::string& path, OpenOptions options) {
+InputFacts facts_of_recording(const std::string& path, OpenOptions options, const std::string& frames) {
+  set_frames(frames, options);
   options.want_color = options.want_depth = options.want_right = false;
   options.read_ahead = 0;
   const auto source = rastro::open(path, options);
-  InputFacts facts = facts_of(source->info());
+  InputFacts facts;
   try {
+    facts = facts_of(source->info(), span_of_recording(path, options));
     facts.rate_hz = rate_of(*source);
   } catch (const Error&) {
-    facts.rate_hz = 0.0;  // the runs say what is wrong with the first frames
+    facts = facts_of(source->info(), {});  // the runs say what is wrong with the first frames
   }
   return facts;
 }
@@ -57,7 +60,8 @@ CompareSession::CompareSession(CompareTask task, BenchmarkSetup setup, Benchmark
 std::string CompareSession::look_at(CompareInput& input) {
   std::string path = recording_of(input);
   input.facts =
-      facts_of_recording(path, open_options_of(path, input.is_world() ? std::vector<std::string>() : input.flags));
+      facts_of_recording(path, open_options_of(path, input.is_world() ? std::vector<std::string>() : input.flags),
+                         input.frames());
   recordings_.push_back(path);
   return path;
 }
@@ -108,6 +112,12 @@ std::string CompareSession::plan_text() const {
   std::string text;
   for (const BenchmarkRun& run : plan.runs) text += fmt::format("{}\n  {}\n", run.id, plan.command_of(run));
   return text;
+}
+
+std::vector<std::string> CompareSession::columns() const {
+  std::vector<std::string> columns;
+  for (const CompareRun& run : plan_.runs) columns.push_back(run.column);
+  return columns;
 }
 
 void CompareSession::add_disturbed(std::size_t input, const MethodOffer& method, const std::string& disturbance) {

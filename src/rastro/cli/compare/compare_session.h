@@ -38,6 +38,8 @@ class CompareSession {
   std::string plan_text() const;
   /// Folder or file of each input; of a world that of its first seed.
   const std::vector<std::string>& recordings() const { return recordings_; }
+  /// Of the planned runs.
+  std::vector<std::string> columns() const;
 
   /// Adds a run to the plan: run() runs it. Of a world only with its first seed.
   void add_disturbed(std::size_t input, const MethodOffer& method, const std::string& disturbance);

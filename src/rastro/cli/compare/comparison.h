@@ -38,6 +38,7 @@ struct ImportedTrajectory {
   std::string column;
   std::uint64_t seed = 0;
   std::string trajectory, ground_truth, alignment;
+  std::string command;  ///< Gives its errors.
 };
 
 /// How one tracker did on one input, as in Table I of the front-end paper.

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
-#include "rastro/cli/benchmark/run_figures.h"
 #include "rastro/cli/compare/map_figures.h"
 #include "rastro/cli/compare/run_trace.h"
 #include "rastro/export/ply.h"
@@ -20,12 +21,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* flag = "--import";
 
-std::size_t input_of(const Import& import, const Comparison& comparison) {
-  if (import.input.empty() && comparison.inputs.size() == 1) return 0;
+std::size_t input_of(const Import& import, const std::vector<CompareInput>& inputs) {
+  if (import.input.empty() && inputs.size() == 1) return 0;
   std::vector<std::string> names;
-  for (std::size_t k = 0; k < comparison.inputs.size(); ++k) {
-    if (comparison.inputs[k].name == import.input) return k;
-    names.push_back(comparison.inputs[k].name);
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    if (inputs[k].name == import.input) return k;
+    names.push_back(inputs[k].name);
   }
   if (import.input.empty())
     throw Error(fmt::format("'{}' does not say of which input it is", import.name), flag,
@@ -33,12 +34,16 @@ std::size_t input_of(const Import& import, const Comparison& comparison) {
   throw Error(in_quotes(import.input) + " is not an input", flag, did_you_mean(import.input, names));
 }
 
-RunTrace read_trace(const Import& import, const std::string& recording) {
+RunTrace read_trace(const Import& import, const std::string& recording, const std::string& frames) {
   TraceReader reader;
-  auto trace = reader.read(import.trajectory, recording, import.alignment);
+  auto trace = reader.read(import.trajectory, recording, import.alignment, frames);
   if (!trace)
     throw Error("no pose matches the ground truth of the input", import.trajectory,
                 "are its timestamps those of the recording?");
+  const std::size_t poses = trace->estimate.poses.size(), of_truth = trace->reference->input.poses.size();
+  if (trace->scores.pairing.by_index && poses != of_truth)
+    throw Error(fmt::format("has {} poses without timestamps for {} of the input", poses, of_truth), import.trajectory,
+                "put KITTI's times.txt beside it");
   return *trace;
 }
 
@@ -79,19 +84,34 @@ Import parse_import(const std::string& text) {
   return import;
 }
 
-void add_imports(const std::vector<Import>& imports, const std::vector<std::string>& recordings,
-                 Comparison& comparison) {
+std::vector<ScoredImport> score_imports(const std::vector<Import>& imports, const std::vector<CompareInput>& inputs,
+                                        const std::vector<std::string>& recordings,
+                                        const std::vector<std::string>& columns) {
+  std::vector<ScoredImport> all;
+  std::set<std::pair<std::size_t, std::string>> taken;
   for (const Import& import : imports) {
-    const std::size_t input = input_of(import, comparison);
-    const std::string& recording = recordings[input];
-    const RunTrace trace = read_trace(import, recording);
-    const CompareInput& of = comparison.inputs[input];
-    const std::string command =
+    const std::size_t input = input_of(import, inputs);
+    const bool is_method = std::find(columns.begin(), columns.end(), import.name) != columns.end();
+    if (is_method || !taken.insert({input, import.name}).second)
+      throw Error(fmt::format("'{}' is the name of another column", one_line(import.name)), flag, "choose another name");
+    const std::string &recording = recordings[input], frames = inputs[input].frames();
+    const std::uint64_t seed = inputs[input].seeds.empty() ? 0 : inputs[input].seeds.front();
+    const RunTrace trace = read_trace(import, recording, frames);
+    std::string command =
         fmt::format("rastro evaluate trajectory {} {} --align {}", recording, import.trajectory, import.alignment);
-    const std::uint64_t seed = of.seeds.empty() ? 0 : of.seeds.front();
-    for (const auto& [figure, value] : figures_of(import, trace, recording))
-      comparison.table.add(of.name, import.name, figure, {value, seed, 1, command});
-    comparison.imported.push_back({input, import.name, seed, import.trajectory, recording, import.alignment});
+    if (!frames.empty()) command += " --frames " + frames;
+    all.push_back({{input, import.name, seed, import.trajectory, recording, import.alignment, std::move(command)},
+                   figures_of(import, trace, recording)});
+  }
+  return all;
+}
+
+void add_imports(const std::vector<ScoredImport>& imports, Comparison& comparison) {
+  for (const ScoredImport& import : imports) {
+    for (const auto& [figure, value] : import.figures)
+      comparison.table.add(comparison.inputs[import.what.input].name, import.what.column, figure,
+                           {value, import.what.seed, 1, import.what.command});
+    comparison.imported.push_back(import.what);
   }
 }
 

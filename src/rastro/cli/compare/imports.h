@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/cli/benchmark/run_figures.h"
 #include "rastro/cli/compare/comparison.h"
 
 namespace rastro::cli {
@@ -20,10 +21,20 @@ struct Import {
 /// NAME[@INPUT]=trajectory.txt[,cloud.ply][,se3|sim3|yaw]. Error for anything else, and for files that are not there.
 Import parse_import(const std::string& text);
 
-/// Scores each against the ground truth of its input (of a world: of its first seed) and adds its figures to the
-/// table. `recordings`: folder of each input. Error for an unknown input, one without ground truth, and files that
-/// cannot be read.
-void add_imports(const std::vector<Import>& imports, const std::vector<std::string>& recordings,
-                 Comparison& comparison);
+/// An import with its figures.
+struct ScoredImport {
+  ImportedTrajectory what;
+  RunFigures figures;
+};
+
+/// Scores each against the ground truth of its input at the chosen frames (of a world: of its first seed).
+/// `recordings`: folder of each input; `columns`: names that are taken. Error for an unknown input, one without ground
+/// truth, a name that is taken, and files that cannot be read or have no pose of the input.
+std::vector<ScoredImport> score_imports(const std::vector<Import>& imports, const std::vector<CompareInput>& inputs,
+                                        const std::vector<std::string>& recordings,
+                                        const std::vector<std::string>& columns);
+
+/// Into the table.
+void add_imports(const std::vector<ScoredImport>& imports, Comparison& comparison);
 
 }  // namespace rastro::cli

@@ -88,7 +88,8 @@ std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
   for (const FinishedRun& run : comparison.runs) {
     if (!run.is_plain() || run.failed()) continue;
     try {
-      auto trace = reader.read(run.folder.string(), run.ground_truth, run.result.scores.alignment);
+      auto trace = reader.read(run.folder.string(), run.ground_truth, run.result.scores.alignment,
+                               comparison.inputs[run.what.input].frames());
       if (trace)
         traces.push_back(
             {run.what.input, run.what.column, run.seed, run.what.repeat, completion_of(run), std::move(*trace)});
@@ -97,7 +98,8 @@ std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
     }
   }
   for (const ImportedTrajectory& import : comparison.imported) {
-    auto trace = reader.read(import.trajectory, import.ground_truth, import.alignment);
+    auto trace = reader.read(import.trajectory, import.ground_truth, import.alignment,
+                             comparison.inputs[import.input].frames());
     if (!trace) continue;
     const double completion = trace->scores.pairing.coverage_percent;
     traces.push_back({import.input, import.column, import.seed, 1, completion, std::move(*trace)});

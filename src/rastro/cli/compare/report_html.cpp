@@ -88,9 +88,7 @@ std::string commands_of(const Comparison& comparison, std::size_t input) {
   }
   for (const ImportedTrajectory& import : comparison.imported)
     if (import.input == input)
-      html += fmt::format("<li>{}<br><code>rastro evaluate trajectory {} {} --align {}</code></li>\n",
-                          escaped(import.column), escaped(import.ground_truth), escaped(import.trajectory),
-                          import.alignment);
+      html += fmt::format("<li>{}<br><code>{}</code></li>\n", escaped(import.column), escaped(import.command));
   return html + "</ul></details>\n";
 }
 

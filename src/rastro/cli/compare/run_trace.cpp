@@ -68,11 +68,13 @@ std::vector<double> RunTrace::errors_m() const {
 }
 
 std::optional<RunTrace> TraceReader::read(const std::string& estimate, const std::string& ground_truth,
-                                          const std::string& alignment) {
+                                          const std::string& alignment, const std::string& frames) {
   if (ground_truth.empty() || alignment.empty()) return std::nullopt;
-  auto& reference = references_[ground_truth];
+  auto& reference = references_[{ground_truth, frames}];
+  TrajectoryFileFlags files;
+  files.frames = frames;
   if (!reference)
-    reference = std::make_shared<const ReferenceTrajectory>(read_reference(poses_beside(ground_truth), {}));
+    reference = std::make_shared<const ReferenceTrajectory>(read_reference(poses_beside(ground_truth), files));
   RunTrace trace;
   trace.reference = reference;
   trace.estimate = read_estimate(estimate, *reference, {});

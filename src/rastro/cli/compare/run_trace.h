@@ -31,13 +31,13 @@ struct RunTrace {
 /// Reads traces, and each ground truth only once.
 class TraceReader {
  public:
-  /// `estimate`: run folder or trajectory file. nullopt where there is no ground truth of poses or no trajectory to
+  /// `estimate`: run folder or trajectory file. `frames`: A:B of the recording, empty: all. nullopt where there is no ground truth of poses or no trajectory to
   /// align with it.
   std::optional<RunTrace> read(const std::string& estimate, const std::string& ground_truth,
-                               const std::string& alignment);
+                               const std::string& alignment, const std::string& frames);
 
  private:
-  std::map<std::string, std::shared_ptr<const ReferenceTrajectory>> references_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const ReferenceTrajectory>> references_;
 };
 
 /// Absolute trajectory errors (rmse) of two runs on the same input over the frames that both tracked, each with its own

@@ -26,7 +26,7 @@ struct LsdOptions {
 
   // Start.
   std::string start = "two_views";
-  double init_parallax_deg = 1.5;
+  double init_parallax_deg = 1.0;
 
   // Tracking.
   int levels = 5;

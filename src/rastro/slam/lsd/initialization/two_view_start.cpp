@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "rastro/multiview/absolute_pose.h"
+
 namespace rastro {
 namespace {
 
@@ -72,18 +74,36 @@ std::optional<TwoViewStart::Result> TwoViewStart::take(std::int64_t index, TimeN
   detail_ = "the first frame";
   // A first view that shares too little with the newest frame is replaced by a later one.
   const auto needed = static_cast<std::size_t>(options_.min_matches);
-  while (first_ + 1 < frames_.size() && matches_with(frames_[first_]).pairs.size() < needed) {
+  while (first_ + 1 < frames_.size() && matches_with(first_).pairs.size() < needed) {
     detail_ = fmt::format("fewer than {} features were followed since the first view", needed);
     ++first_;
   }
-  return first_ + 1 < frames_.size() ? try_first(first_) : std::nullopt;
+  if (first_ + 1 == frames_.size()) return std::nullopt;
+  Attempt attempt = try_first(first_);
+  detail_ = attempt.detail;
+  return attempt.status == TwoViewStatus::no_model ? nearer_first() : attempt.start;
 }
 
-TwoViewStart::Matches TwoViewStart::matches_with(const KeptFrame& first) const {
+/// Of what was followed over many frames, much may have slipped. The first view is replaced by one nearer to the newest
+/// frame that shares a motion with it. If there is none, the newest frame is the problem.
+std::optional<TwoViewStart::Result> TwoViewStart::nearer_first() {
+  const std::size_t newest = frames_.size() - 1;
+  for (std::size_t gap = (newest - first_) / 2; gap > 0; gap /= 2) {
+    Attempt attempt = try_first(newest - gap);
+    if (attempt.status == TwoViewStatus::no_model || attempt.status == TwoViewStatus::too_few_pairs) continue;
+    first_ = newest - gap;
+    detail_ = attempt.detail;
+    return attempt.start;
+  }
+  return std::nullopt;
+}
+
+TwoViewStart::Matches TwoViewStart::matches_with(std::size_t first) const {
   Matches matches;
   for (const auto& [id, feature] : frames_.back().features) {
-    const auto before = first.features.find(id);
-    if (before == first.features.end()) continue;
+    const auto before = frames_[first].features.find(id);
+    if (before == frames_[first].features.end()) continue;
+    matches.tracks.push_back(id);
     matches.pairs.push_back(
         {before->second.ray.cast<double>(), feature.ray.cast<double>(), options_.pixel_sigma, options_.pixel_sigma});
     matches.pixels.push_back(before->second.pixel);
@@ -91,21 +111,56 @@ TwoViewStart::Matches TwoViewStart::matches_with(const KeptFrame& first) const {
   return matches;
 }
 
-std::optional<TwoViewStart::Result> TwoViewStart::try_first(std::size_t first) {
-  const Matches matches = matches_with(frames_[first]);
+TwoViewStart::Attempt TwoViewStart::try_first(std::size_t first) const {
+  const Matches matches = matches_with(first);
   TwoViewOptions options;
   options.focal_px = camera_.fx;
   options.min_parallax_deg = options_.min_parallax_deg;
   options.seed = options_.seed;
   const TwoViewFit fit = find_two_view_motion(matches.pairs, options);
-  detail_ = fit.detail;
-  if (fit.status != TwoViewStatus::found) return std::nullopt;
-  Result result{first, fit.second_from_first, depths_of(matches, fit)};
-  const double mean = mean_inverse_depth(result.depth);
-  if (!(mean > 0.0)) return std::nullopt;
-  scale_inverse_depth(result.depth, 1.0 / mean);
-  result.second_from_first = SE3(fit.second_from_first.rotation(), mean * fit.second_from_first.translation());
-  return result;
+  if (fit.status != TwoViewStatus::found) return {fit.status, fit.detail, std::nullopt};
+  const std::optional<double> confirmed = confirmed_share(first, matches, fit);
+  if (!confirmed) return {TwoViewStatus::ambiguous, "no third view has seen enough of what two views share", {}};
+  if (*confirmed < options_.min_confirmed_share)
+    return {TwoViewStatus::ambiguous,
+            fmt::format("other views confirm {:.0f} % of the points, need {:.0f} %", 100.0 * *confirmed,
+                        100.0 * options_.min_confirmed_share),
+            std::nullopt};
+  Result start{first, fit.second_from_first, depths_of(matches, fit)};
+  const double mean = mean_inverse_depth(start.depth);
+  if (!(mean > 0.0)) return {TwoViewStatus::too_few_points, "no depth is known", std::nullopt};
+  scale_inverse_depth(start.depth, 1.0 / mean);
+  start.second_from_first = SE3(fit.second_from_first.rotation(), mean * fit.second_from_first.translation());
+  return {fit.status, {}, std::move(start)};
+}
+
+/// Share of the points that lie where the other frames saw them, over all frames that saw enough of them; nullopt:
+/// none did.
+std::optional<double> TwoViewStart::confirmed_share(std::size_t first, const Matches& matches,
+                                                    const TwoViewFit& fit) const {
+  constexpr std::size_t fewest_points = 30;
+  AbsolutePoseOptions options;
+  options.focal_px = camera_.fx;
+  options.max_error_px = 3.0 * options_.pixel_sigma;
+  options.seed = options_.seed;
+  std::size_t seen = 0, confirmed = 0;
+  for (std::size_t k = 0; k + 1 < frames_.size(); ++k) {
+    if (k == first) continue;
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Eigen::Vector2d> rays;
+    for (std::size_t i = 0; i < matches.tracks.size(); ++i) {
+      const auto feature = frames_[k].features.find(matches.tracks[i]);
+      if (!fit.points[i] || feature == frames_[k].features.end()) continue;
+      points.push_back(*fit.points[i]);
+      rays.push_back(feature->second.ray.cast<double>());
+    }
+    if (points.size() < fewest_points) continue;
+    const auto pose = estimate_absolute_pose(points, rays, options);
+    seen += points.size();
+    confirmed += pose ? static_cast<std::size_t>(pose->inliers) : 0;
+  }
+  if (seen == 0) return std::nullopt;
+  return static_cast<double>(confirmed) / static_cast<double>(seen);
 }
 
 /// The depth of a feature is that of the pixels around it too, but less surely.

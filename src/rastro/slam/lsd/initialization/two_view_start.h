@@ -21,10 +21,13 @@ namespace rastro {
 
 struct TwoViewStartOptions {
   int features = 400;
-  double min_parallax_deg = 1.5;
+  double min_parallax_deg = 1.0;
   int min_matches = 100;
   int frames = 60;  ///< Kept at most: the first frame is one of them.
   double pixel_sigma = 0.5;
+  /// Of the points, seen from the other frames kept: the least share with an error of at most 3 sigma. Two views alone
+  /// may agree on a wrong motion, with depths that no third view fits.
+  double min_confirmed_share = 0.85;
   std::uint64_t seed = 1;
 };
 
@@ -56,11 +59,19 @@ class TwoViewStart {
 
  private:
   struct Matches {
+    std::vector<std::int64_t> tracks;
     std::vector<TwoViewPair> pairs;
     std::vector<Eigen::Vector2f> pixels;  ///< In the first view.
   };
-  Matches matches_with(const KeptFrame& first) const;
-  std::optional<Result> try_first(std::size_t first);
+  Matches matches_with(std::size_t first) const;
+  struct Attempt {
+    TwoViewStatus status = TwoViewStatus::too_few_pairs;
+    std::string detail;
+    std::optional<Result> start;
+  };
+  Attempt try_first(std::size_t first) const;
+  std::optional<Result> nearer_first();
+  std::optional<double> confirmed_share(std::size_t first, const Matches& matches, const TwoViewFit& fit) const;
   InverseDepthMap depths_of(const Matches& matches, const TwoViewFit& fit) const;
 
   TwoViewStartOptions options_;
