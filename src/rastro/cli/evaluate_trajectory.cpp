@@ -225,8 +225,7 @@ void add_input_flags(CLI::App& command, Flags& flags) {
       ->type_name("S");
   command.add_option("--times", flags.files.times, "Timestamps of KITTI poses (default: FILE_times.txt or times.txt)")
       ->type_name("FILE");
-  command
-      .add_option("--frames", flags.files.frames, "Frames A to B-1 of the recording of REF only (default: all)")
+  command.add_option("--frames", flags.files.frames, "Frames A to B-1 of the recording of REF only (default: all)")
       ->type_name("A:B");
   command
       .add_option("--estimate-of", flags.files.estimate_of,

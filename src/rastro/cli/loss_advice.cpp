@@ -24,7 +24,8 @@ std::string advice_for(SlamReason reason) {
     case SlamReason::no_odometry:
       return "wheel odometry is missing for this frame: check its topic and stamps";
     case SlamReason::dark_or_blank:
-      return "the image shows nothing: uncover the camera, add light, or aim at more structure";
+      return "the image shows nothing: uncover the camera, add light, or aim at more structure; 16-bit images must use "
+             "the whole range";
     case SlamReason::repeated_frame:
       return "the same frame came again: check the recording with 'rastro check'";
     case SlamReason::odometry_jumped:

@@ -14,6 +14,7 @@
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/live_flags.h"
 #include "rastro/cli/live_odometry.h"
+#include "rastro/cli/loss_advice.h"
 #include "rastro/cli/mcap_sink.h"
 #include "rastro/cli/odometry_flags.h"
 #include "rastro/cli/program.h"
@@ -179,7 +180,10 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   }
   for (const InputWarning& warning : result.warnings) text += "warning: " + warning.text + "\n";
   if (result.skipped_frames > 0) text += fmt::format("{} frames could not be read\n", result.skipped_frames);
-  if (result.tracking == 0)
+  const auto dark = result.reasons.find(name_of(OdometryReason::dark_or_blank));
+  if (dark != result.reasons.end() && dark->second == result.frames)
+    text += advice_for(OdometryReason::dark_or_blank) + "\n";
+  else if (result.tracking == 0)
     text +=
         "no motion was found: was the camera at rest, or is the calibration wrong? 'rastro check' checks the "
         "recording\n";

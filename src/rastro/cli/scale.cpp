@@ -114,6 +114,16 @@ void warn_of_contradiction(const std::string& file, const MapScale& before, cons
                   file, one_line(before.origin), one_line(found.from), found.meters_per_unit));
 }
 
+void warn_of_misfit(const MapScaleFound& found, const std::string& reference) {
+  constexpr double most_off = 0.1, some_turn_deg = 2.0, most_turn_deg = 6.0;
+  const bool is_off = found.position_misfit > most_off && found.turn_misfit_deg > some_turn_deg;
+  if (!is_off && found.turn_misfit_deg < most_turn_deg) return;
+  log_warning(
+      fmt::format("{} fits the map badly: aligned, the positions are {:.0f} % of their spread off, and what the camera "
+                  "turned differs by {:.1f} deg; is it of this recording?",
+                  one_line(reference), 100.0 * found.position_misfit, found.turn_misfit_deg));
+}
+
 void scale(const Flags& flags, bool height_given) {
   constexpr double highest_m = 1000.0;
   if (height_given && !(flags.camera_height_m > 0.0 && flags.camera_height_m <= highest_m))
@@ -124,6 +134,7 @@ void scale(const Flags& flags, bool height_given) {
   const MapScaleFound found = find_scale(flags, *map);
   const Map in_meters = scaled(*map, found);
   warn_of_contradiction(file, scale_of(*map), found);
+  warn_of_misfit(found, flags.reference);
   const std::filesystem::path folder = run_folder_of(flags.map, file);
   if (folder.empty())
     save_map(in_meters, file);

@@ -75,7 +75,8 @@ std::optional<StampSpan> span_beside(const fs::path& ground_truth_file_name) {
   return std::nullopt;
 }
 
-/// Ground truth is often longer than the recording: an estimate cannot have poses without frames. False: none is within.
+/// Ground truth is often longer than the recording: an estimate cannot have poses without frames. False: none is
+/// within.
 bool keep_span(TrajectoryInput& input, const StampSpan& span, std::string& said) {
   constexpr TimeNs slack = 20'000'000;
   TrajectoryInput kept = input;

@@ -42,6 +42,19 @@ void compare_size(CheckReport& report, std::int64_t frame, int width, int height
       {frame, fmt::format("{}: {}x{} instead of {}x{}", file, width, height, report.width, report.height)});
 }
 
+/// As the methods judge it: the standard deviation of the intensities.
+void note_blank(CheckReport& report, std::int64_t frame, GrayView image) {
+  constexpr double least_deviation = 5.0;
+  double sum = 0.0, squares = 0.0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const double value = image.row(y)[x];
+      sum += value, squares += value * value;
+    }
+  const double pixels = static_cast<double>(image.width) * image.height, mean = sum / pixels;
+  if (squares / pixels - mean * mean < least_deviation * least_deviation) report.blank_images.push_back(frame);
+}
+
 void note_depth_offset(CheckReport& report, TimeNs offset) {
   const auto bins = static_cast<TimeNs>(report.depth.depth_offset_histogram.size());
   const TimeNs bin = std::clamp<TimeNs>((offset + bins / 2 * bin_width) / bin_width, 0, bins - 1);
@@ -59,6 +72,7 @@ class ImageCheck {
     if (main) {
       ++report_.frames_read;
       compare_size(report_, index, main->width(), main->height(), frame.image);
+      note_blank(report_, index, *main);
     }
     if (!frame.right.empty()) check_right(index, frame);
     if (!frame.depth.empty()) check_depth(index, frame);
@@ -135,6 +149,7 @@ FrameStamps check_video(CheckReport& report, Source& video, const OpenOptions& o
     while (const auto frame = video.next()) {
       ++report.frames_read;
       compare_size(report, frame->index, frame->image.width(), frame->image.height(), frame->name);
+      note_blank(report, frame->index, frame->image);
       stamps.frames.push_back(frame->index);
       stamps.stamps.push_back(frame->stamp);
       if (progress) progress(report.frames_read, report.info.frame_count);
@@ -173,7 +188,10 @@ FrameStamps check_log(CheckReport& report, Source& log, const OpenOptions& optio
     ++report.frames_read;
     scans.add(**frame);
     const auto& image = (*frame)->image;
-    if (!image.empty()) compare_size(report, (*frame)->index, image.width(), image.height(), (*frame)->name);
+    if (!image.empty()) {
+      compare_size(report, (*frame)->index, image.width(), image.height(), (*frame)->name);
+      note_blank(report, (*frame)->index, image);
+    }
     if (const auto& depth = (*frame)->depth; !depth.empty()) {
       ++report.depth.frames_with_depth;
       note_depth_offset(report, (*frame)->depth_stamp - (*frame)->stamp);

@@ -69,6 +69,7 @@ struct CheckReport {
   StampFindings stamps;
   std::vector<FrameProblem> unreadable_images;  ///< Color or gray, right and depth.
   std::vector<FrameProblem> size_changes;
+  std::vector<std::int64_t> blank_images;  ///< Frames whose intensities hardly vary: dark, covered or overexposed.
 
   std::int64_t frames_with_right = 0;
   DepthFindings depth;

@@ -74,6 +74,16 @@ void judge_pair(CheckReport& report) {
       "are not in it; check the extrinsics (left_from_right)");
 }
 
+/// A covered camera for a moment is no fault of the recording.
+void judge_blank_images(CheckReport& report) {
+  constexpr double share = 0.02;
+  const auto blank = static_cast<double>(report.blank_images.size()), read = static_cast<double>(report.frames_read);
+  if (blank == 0.0 || blank < share * read) return;
+  report.warnings.push_back(fmt::format(
+      "{} of {} images are dark or blank, and of no use to any method{}", report.blank_images.size(),
+      report.frames_read, blank == read ? "; images of 16 bits must use the whole range, up to 65535" : ""));
+}
+
 void warn(CheckReport& report, std::size_t count, const char* what) {
   if (count > 0) report.warnings.push_back(fmt::format("{} {}", count, what));
 }
@@ -121,6 +131,7 @@ void judge(CheckReport& report, const FrameStamps& all) {
   judge_unit(report, all);
   judge_ground_truth(report, all);
   judge_pair(report);
+  judge_blank_images(report);
   give_verdict(report, all);
 }
 

@@ -94,6 +94,7 @@ std::string to_text(const CheckReport& report) {
   add_stamps(text, report);
   add_list(text, "unreadable", report.unreadable_images, show_problem);
   add_list(text, "size changes", report.size_changes, show_problem);
+  add_list(text, "dark or blank", report.blank_images, show_frame);
   if (report.info.has_right)
     add_line(text, "right images", fmt::format("{} of {} frames", report.frames_with_right, report.frames_chosen));
   add_depth(text, report);
@@ -128,6 +129,7 @@ std::string to_json(const CheckReport& report) {
   json["backward_stamps"] = report.stamps.backward_stamps;
   json["unreadable_images"] = problems(report.unreadable_images);
   json["size_changes"] = problems(report.size_changes);
+  json["blank_images"] = report.blank_images;
   json["frames_with_right"] = report.frames_with_right;
   json["frames_with_depth"] = report.depth.frames_with_depth;
   json["depth_offset_histogram"] = report.depth.depth_offset_histogram;

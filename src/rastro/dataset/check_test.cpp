@@ -80,5 +80,13 @@ TEST(Check, ChangingSizeAndUnreadableRecordingsAreUnusable) {
   EXPECT_THAT(to_text(report), HasSubstr("cannot be used"));
 }
 
+TEST(Check, DarkImagesAreNamed) {
+  const ScratchFolder folder;
+  for (int k = 0; k < 4; ++k) folder.write_gray("night/" + std::to_string(k) + ".png", 3);
+  const CheckReport report = check(folder.path("night"), {});
+  EXPECT_EQ(report.blank_images, (std::vector<std::int64_t>{0, 1, 2, 3}));
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("4 of 4 images are dark or blank")));
+}
+
 }  // namespace
 }  // namespace rastro

@@ -115,8 +115,9 @@ class LengthSearch {
       a = found(a_, 0), b = found(b_, a_.size());
     }
     if (a.observations.empty() || b.observations.empty()) {
-      const char* end = a.observations.empty() ? (b.observations.empty() ? "neither end" : "a") : "b";
-      return not_measured(object_, fmt::format("{} was not found in {} keyframes", end, findings_.size()));
+      const char* what =
+          a.observations.empty() ? (b.observations.empty() ? "neither end was" : "a was not") : "b was not";
+      return not_measured(object_, fmt::format("{} found in {} keyframes", what, findings_.size()));
     }
     return combined(a, b);
   }

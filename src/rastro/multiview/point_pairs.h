@@ -40,6 +40,9 @@ struct RansacOptions {
   double confidence = 0.99;
   int max_iterations = 200;
   std::uint64_t seed = 1;
+  /// Samples at least, up to max_iterations: with little parallax a sample without an outlier may still lead to a model
+  /// that is far off and fits most pairs.
+  int min_iterations = 1;
 };
 
 /// For calibrated views: points are normalized (x / z, y / z), and errors are in pixels of a camera of this focal

@@ -122,7 +122,9 @@ std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t 
     best.squared_errors = errors;
     best.inliers = static_cast<int>(std::count_if(errors.begin(), errors.end(), [=](float e) { return e <= limit; }));
     const double share = static_cast<double>(cost.fitting(errors)) / static_cast<double>(cost.all(count));
-    needed = iterations_needed(share, static_cast<int>(sample_size), options.confidence, options.max_iterations);
+    needed =
+        std::max(std::min(options.min_iterations, options.max_iterations),
+                 iterations_needed(share, static_cast<int>(sample_size), options.confidence, options.max_iterations));
     return true;
   };
 

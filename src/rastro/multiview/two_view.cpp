@@ -111,7 +111,9 @@ CalibratedRansacOptions ransac_options(const TwoViewOptions& options, double chi
 
 std::optional<EssentialFit> find_essential(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
   const Points points(pairs);
-  return estimate_essential(points.first, points.second, ransac_options(options, options.fundamental_chi2, 1));
+  CalibratedRansacOptions ransac = ransac_options(options, options.fundamental_chi2, 1);
+  ransac.min_iterations = options.min_iterations;
+  return estimate_essential(points.first, points.second, ransac);
 }
 
 /// Score of a pure rotation, computed as for a homography.

@@ -23,7 +23,8 @@ struct TwoViewOptions {
   double homography_chi2 = 5.991;       ///< Inlier bound of the squared standardised error: two degrees of freedom...
   double fundamental_chi2 = 3.841;      ///< ... and one.
   double homography_share = 0.45;       ///< S_H / (S_H + S_F) above which the homography is selected.
-  int max_iterations = 200;             ///< Samples, of either model.
+  int min_iterations = 200;             ///< Samples for the fundamental matrix, at least ...
+  int max_iterations = 400;             ///< ... and at most, of either model.
   int min_points = 50;                  ///< Minimum number of triangulated points.
   double min_model_share = 0.5;         ///< Minimum share of inliers of the selected model.
   double near_plane_share = 0.40;       ///< S_H / (S_H + S_F) above which the scene may be a plane ...

@@ -59,9 +59,8 @@ CompareSession::CompareSession(CompareTask task, BenchmarkSetup setup, Benchmark
 
 std::string CompareSession::look_at(CompareInput& input) {
   std::string path = recording_of(input);
-  input.facts =
-      facts_of_recording(path, open_options_of(path, input.is_world() ? std::vector<std::string>() : input.flags),
-                         input.frames());
+  input.facts = facts_of_recording(
+      path, open_options_of(path, input.is_world() ? std::vector<std::string>() : input.flags), input.frames());
   recordings_.push_back(path);
   return path;
 }

@@ -93,7 +93,8 @@ std::vector<ScoredImport> score_imports(const std::vector<Import>& imports, cons
     const std::size_t input = input_of(import, inputs);
     const bool is_method = std::find(columns.begin(), columns.end(), import.name) != columns.end();
     if (is_method || !taken.insert({input, import.name}).second)
-      throw Error(fmt::format("'{}' is the name of another column", one_line(import.name)), flag, "choose another name");
+      throw Error(fmt::format("'{}' is the name of another column", one_line(import.name)), flag,
+                  "choose another name");
     const std::string &recording = recordings[input], frames = inputs[input].frames();
     const std::uint64_t seed = inputs[input].seeds.empty() ? 0 : inputs[input].seeds.front();
     const RunTrace trace = read_trace(import, recording, frames);

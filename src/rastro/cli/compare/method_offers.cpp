@@ -80,7 +80,7 @@ void append_fitting(const std::string& text, const std::vector<MethodOffer>& all
   MethodOffer wanted = parsed(text);
   std::vector<std::string> names;
   for (const MethodOffer& offer : all) {
-    names.push_back(offer.method);
+    if (std::find(names.begin(), names.end(), offer.method) == names.end()) names.push_back(offer.method);
     if (wanted.command.empty() && fits(offer, wanted)) wanted.command = offer.command;
   }
   const std::size_t before = chosen.size();

@@ -98,8 +98,8 @@ std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
     }
   }
   for (const ImportedTrajectory& import : comparison.imported) {
-    auto trace = reader.read(import.trajectory, import.ground_truth, import.alignment,
-                             comparison.inputs[import.input].frames());
+    auto trace =
+        reader.read(import.trajectory, import.ground_truth, import.alignment, comparison.inputs[import.input].frames());
     if (!trace) continue;
     const double completion = trace->scores.pairing.coverage_percent;
     traces.push_back({import.input, import.column, import.seed, 1, completion, std::move(*trace)});

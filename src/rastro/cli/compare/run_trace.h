@@ -31,8 +31,8 @@ struct RunTrace {
 /// Reads traces, and each ground truth only once.
 class TraceReader {
  public:
-  /// `estimate`: run folder or trajectory file. `frames`: A:B of the recording, empty: all. nullopt where there is no ground truth of poses or no trajectory to
-  /// align with it.
+  /// `estimate`: run folder or trajectory file. `frames`: A:B of the recording, empty: all. nullopt where there is no
+  /// ground truth of poses or no trajectory to align with it.
   std::optional<RunTrace> read(const std::string& estimate, const std::string& ground_truth,
                                const std::string& alignment, const std::string& frames);
 

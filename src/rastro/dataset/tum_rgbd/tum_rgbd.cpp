@@ -175,7 +175,8 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   const fs::path ground_truth = path / "groundtruth.txt";
   if (is_file(ground_truth)) {
     read_ground_truth(recording.info, ground_truth, "camera", [&] {
-      return parse_tum_trajectory(read_text_file(ground_truth.string()), ground_truth.string());
+      const std::string text = read_text_file(ground_truth.string());
+      return parse_tum_trajectory(text, ground_truth.string(), guess_column_unit(text, StampUnit::seconds));
     });
   }
   return recording;

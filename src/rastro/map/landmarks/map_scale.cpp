@@ -6,6 +6,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
 
 #include "rastro/base/error.h"
 #include "rastro/map/landmarks/jackknife.h"
@@ -109,37 +112,86 @@ MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> le
   return found;
 }
 
-MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where) {
+namespace {
+
+struct PosesAtOneTime {
+  std::vector<SE3> reference, map;
+};
+
+PosesAtOneTime poses_at_one_time(const Map& map, const Trajectory& reference, const std::string& where) {
   constexpr std::size_t least_pairs = 10;
-  std::vector<Vector3d> target, source;
+  PosesAtOneTime poses;
   const Trajectory trajectory = trajectory_of(map);
   for (const StampedPose& pose : trajectory) {
     const auto known = pose_at(reference, pose.stamp, largest_gap);
     if (!known) continue;
-    target.push_back(known->translation());
-    source.push_back(pose.world_from_body.translation());
+    poses.reference.push_back(*known);
+    poses.map.push_back(pose.world_from_body);
   }
-  if (source.size() < least_pairs)
-    throw Error(fmt::format("{} of the map's {} poses lie within the reference, need {}", source.size(),
+  if (poses.map.size() < least_pairs)
+    throw Error(fmt::format("{} of the map's {} poses lie within the reference, need {}", poses.map.size(),
                             trajectory.size(), least_pairs),
                 where, "give a reference with the clock of the recording");
-  const auto scale_without = [&](std::size_t begin, std::size_t end) -> std::optional<double> {
-    std::vector<Vector3d> to, from;
-    for (std::size_t i = 0; i < source.size(); ++i) {
-      if (i >= begin && i < end) continue;
-      to.push_back(target[i]);
-      from.push_back(source[i]);
-    }
-    const auto alignment = align_points(to, from, AlignmentKind::similarity);
-    return alignment ? std::optional(alignment->target_from_source.scale()) : std::nullopt;
+  return poses;
+}
+
+/// Without those from begin to end - 1.
+std::optional<Sim3> reference_from_map(const PosesAtOneTime& poses, std::size_t begin, std::size_t end) {
+  std::vector<Vector3d> to, from;
+  for (std::size_t i = 0; i < poses.map.size(); ++i) {
+    if (i >= begin && i < end) continue;
+    to.push_back(poses.reference[i].translation());
+    from.push_back(poses.map[i].translation());
+  }
+  const auto alignment = align_points(to, from, AlignmentKind::similarity);
+  return alignment ? std::optional(alignment->target_from_source) : std::nullopt;
+}
+
+double position_misfit(const PosesAtOneTime& poses, const Sim3& reference_from_map) {
+  Vector3d mean = Vector3d::Zero();
+  for (const SE3& pose : poses.reference) mean += pose.translation() / static_cast<double>(poses.reference.size());
+  double off = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < poses.map.size(); ++i) {
+    off += (reference_from_map * poses.map[i].translation() - poses.reference[i].translation()).squaredNorm();
+    spread += (poses.reference[i].translation() - mean).squaredNorm();
+  }
+  return std::sqrt(off / spread);
+}
+
+/// Angles do not depend on the worlds, nor on how a device that gave the reference is mounted. 0 for a reference that
+/// never turns: it is of positions alone.
+double turn_misfit_deg(const PosesAtOneTime& poses) {
+  constexpr double degrees = 180.0 / std::numbers::pi, least_turn = 1e-6;
+  const std::size_t middle = poses.map.size() / 2;
+  const auto turned = [middle](const std::vector<SE3>& all, std::size_t i) {
+    return (all[middle].rotation().inverse() * all[i].rotation()).log().norm();
   };
-  const auto whole = scale_without(0, 0);
+  double squares = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < poses.map.size(); ++i) {
+    const double of_reference = turned(poses.reference, i);
+    largest = std::max(largest, of_reference);
+    squares += std::pow(of_reference - turned(poses.map, i), 2);
+  }
+  return largest > least_turn ? degrees * std::sqrt(squares / static_cast<double>(poses.map.size())) : 0.0;
+}
+
+}  // namespace
+
+MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where) {
+  const PosesAtOneTime poses = poses_at_one_time(map, reference, where);
+  const auto whole = reference_from_map(poses, 0, 0);
   if (!whole) throw Error("the camera or the reference does not move", where, "give a reference of a moving camera");
+  const auto scale_without = [&](std::size_t begin, std::size_t end) -> std::optional<double> {
+    const auto part = reference_from_map(poses, begin, end);
+    return part ? std::optional(part->scale()) : std::nullopt;
+  };
   MapScaleFound found;
-  found.meters_per_unit = *whole;
-  found.relative_sigma = jackknife_sigma(source.size(), scale_without) / *whole;
-  found.measurements = static_cast<int>(source.size());
+  found.meters_per_unit = whole->scale();
+  found.relative_sigma = jackknife_sigma(poses.map.size(), scale_without) / whole->scale();
+  found.measurements = static_cast<int>(poses.map.size());
   found.from = "a reference trajectory";
+  found.position_misfit = position_misfit(poses, *whole);
+  found.turn_misfit_deg = turn_misfit_deg(poses);
   return found;
 }
 

@@ -15,6 +15,9 @@ struct MapScaleFound {
   double relative_sigma = 0.0;  ///< 0: unknown, as from one length between two positions of the camera.
   std::string from;             ///< "2 known lengths", ...
   int measurements = 0;         ///< Number of measurements used.
+  /// Of a reference trajectory: rms distance of the aligned positions, as share of their standard deviation, and rms
+  /// difference of the angles turned since the middle of the trajectory. A reference of something else fits badly.
+  double position_misfit = 0.0, turn_misfit_deg = 0.0;
 };
 
 /// A measured length in the world: between two landmarks, or between two positions of the camera.

@@ -359,5 +359,19 @@ TEST(ScaleFromReference, ItsSigmaIsThatOfEightBlocksLeftOut) {
   EXPECT_EQ(found.measurements, 24);
 }
 
+TEST(ScaleFromReference, AReferenceOfAnotherWalkFitsBadly) {
+  auto [map, reference] = map_and_reference(24);
+  const MapScaleFound right = scale_from_reference(map, reference, "here");
+  EXPECT_LT(right.position_misfit, 0.2);
+  EXPECT_LT(right.turn_misfit_deg, 1e-6);
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    const double angle = 0.02 * static_cast<double>(k);
+    reference[k].world_from_body = SE3(SO3::exp({0.0, angle, 0.0}), {std::sin(3.0 * angle), 0.0, angle});
+  }
+  const MapScaleFound wrong = scale_from_reference(map, reference, "here");
+  EXPECT_GT(wrong.position_misfit, 0.3);
+  EXPECT_GT(wrong.turn_misfit_deg, 5.0);
+}
+
 }  // namespace
 }  // namespace rastro

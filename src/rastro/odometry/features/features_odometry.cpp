@@ -162,7 +162,9 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
                       : OdometryReason::too_little_parallax,
                   fmt::format("{:.2f} px beyond the rotation", rotation->median_error_px));
   }
-  const auto fit = estimate_essential(shared.a, shared.b, ransac(options_.max_error_px));
+  CalibratedRansacOptions options = ransac(options_.max_error_px);
+  options.min_iterations = 200;  // all follows from this motion
+  const auto fit = estimate_essential(shared.a, shared.b, options);
   const int needed = static_cast<int>(options_.min_start_inlier_share * update.matches);
   update.inliers = fit ? fit->in_front : 0;
   if (!fit || fit->in_front < needed)

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "rastro/synthetic/worlds/hall.h"
+#include "rastro/synthetic/worlds/street.h"
 
 namespace rastro {
 namespace {
@@ -31,6 +33,21 @@ TEST(TwoViewStart, DepthsOfTheFirstViewAreTrueButForTheUnit) {
   const auto within =
       std::count_if(ratios.begin(), ratios.end(), [unit](double ratio) { return std::abs(ratio / unit - 1.0) < 0.1; });
   EXPECT_GT(static_cast<double>(within), 0.8 * static_cast<double>(ratios.size()));
+}
+
+/// Backward, little of what is followed stays in view until there is parallax.
+TEST(TwoViewStart, IsFoundSoonWhereACarDrivesBackward) {
+  const World world = make_street({.seed = 3, .scale = 0.5});
+  TaskPool pool(2);
+  for (const int last : {40, 120}) {
+    TwoViewStart start({}, world.camera(), &pool);
+    int taken = 0;
+    bool found = false;
+    for (; taken < 30 && !found; ++taken)
+      found = start.take(taken, taken * 100'000'000, world.render(last - taken, pool).gray).has_value();
+    EXPECT_TRUE(found) << "from frame " << last << ": " << start.detail();
+    EXPECT_LE(taken, 8);
+  }
 }
 
 TEST(TwoViewStart, ACameraThatStandsStillGivesNoDepth) {
