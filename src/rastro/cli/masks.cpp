@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/dataset/image_file.h"
 
 namespace rastro::cli {
@@ -37,8 +38,8 @@ Masks::Masks(const std::filesystem::path& path) : path_(path) {
   if (!is_folder_) {
     mask_ = read_image(path.string()).gray;
     if (is_black(mask_))
-      throw Error("the mask is black everywhere, so there would be no features", path.string(),
-                  "make it white where features may be detected");
+      log_warning(path.string() +
+                  ": the mask is black everywhere, so there will be no features; make it white where they may be");
     return;
   }
   for (const auto& entry : std::filesystem::directory_iterator(path, code)) {

@@ -16,7 +16,7 @@ namespace rastro::cli {
 /// there, else by order: the n-th mask in the order of names is that of frame n.
 class Masks {
  public:
-  /// Error where there is nothing to read, or a mask for all frames that is black everywhere.
+  /// Error where there is nothing to read. Warns of a mask for all frames that is black everywhere.
   explicit Masks(const std::filesystem::path& path);
   /// Valid until the next call. Error where the frame has no mask, or one of another size.
   GrayView mask_of(const Frame& frame);
