@@ -15,16 +15,19 @@ HEAD = """# Sources that are compiled as one (RASTRO_UNITY): one group a line, p
 # a group; `alone` begins the line of a source that goes with no other for another reason, as a name that a header has. A source that is
 # not here is compiled alone. scripts/check_compiled_together.py --fix keeps this list.
 """
-MOST_IN_GROUP = {True: 18, False: 9}  # of tests, most of whose time goes into headers; of others
+MOST_IN_GROUP = {True: 18, False: 12}  # of tests, most of whose time goes into headers; of others
 ROOTS = ["src/rastro", "tests/contract", "tests/real"]
 NEVER = re.compile(r"_avx2\.cpp$|/main\.cpp$")
 DEFINITIONS = [re.compile(form) for form in (
     r"^(?:struct|class|enum class|enum) (\w+)",
-    r"^using (\w+) =",
+    r"^(?:using|namespace) (\w+) =",
     r"^(?:\[\[\w+\]\] )?(?:constexpr |inline )?[\w:<>,*& ]+? [*&]?(\w+)\(",
     r"^(?:constexpr |const |inline |static )*[\w:<>,&*\s]+?[\s*&](\w+)\s*(?:=|\{|;|\[|\()",
 )]
-FURTHER = re.compile(r", (\w+) = ")  # constexpr double a = 1.0, b = 2.0;
+ALIAS = re.compile(r"^(?:using|namespace) \w+ = .*;")
+INCLUDED = re.compile(r'^#include "(rastro/[^"]+)"', re.MULTILINE)
+DECLARED = re.compile(r"^(?:struct|class|enum class|enum|using) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: :| \{| =|$)", re.MULTILINE)
+FURTHER = re.compile(r", (\w+)(?: = |\{|\()")  # constexpr double a = 1.0, b = 2.0;
 
 
 def module_of(path):
@@ -42,25 +45,50 @@ def most_beside(path):
 
 
 def names_of(path):
-    """Names at the outermost level of the source's anonymous namespaces, with the namespaces around them."""
+    """Names at the outermost level of the source's anonymous namespaces, with the namespaces around them; of an alias its text."""
     text = (ROOT / path).read_text()
-    found = set()
+    found = {}
     for block in re.finditer(r"^namespace \{\n(.*?)^\}  // namespace\n", text, re.MULTILINE | re.DOTALL):
         around = tuple(re.findall(r"^namespace ([\w:]+) \{", text[:block.start()], re.MULTILINE))
         depth = 0
         for line in block.group(1).split("\n"):
             match = next((m for m in (form.match(line) for form in DEFINITIONS) if m), None) if depth == 0 else None
             if match:
-                found |= {(around, name) for name in (match.group(1), *FURTHER.findall(line[match.end():]))}
+                alias = line if ALIAS.match(line) else None
+                found |= {(around, name): alias for name in (match.group(1), *FURTHER.findall(line[match.end():]))}
             depth += line.count("{") - line.count("}")
     return found
 
 
-def public_types():
-    """Types that headers declare: a source with one of that name in its anonymous namespace would hide it from others."""
-    form = re.compile(r"^(?:struct|class|enum class|enum|using) (\w+)(?: final)?(?: :| \{| =|$)", re.MULTILINE)
-    return {name for path in (ROOT / "src/rastro").rglob("*.h") if not path.name.endswith("_testing.h")
-            for name in form.findall(path.read_text())}
+def types_seen(path, known):
+    """Types that the headers declare which the source includes, directly or not."""
+    seen = set()
+    for header in INCLUDED.findall((ROOT / path).read_text()):
+        file = ROOT / "src" / header
+        if header not in known and file.is_file():
+            known[header] = set()  # ends a circle
+            known[header] = set(DECLARED.findall(file.read_text())) | types_seen(file, known)
+        seen |= known.get(header, set())
+    return seen
+
+
+class Group:
+    """Sources compiled as one."""
+
+    def __init__(self):
+        self.files, self.names, self.types = [], {}, set()
+
+    def takes(self, path, names, types):
+        """Whether no name of one has another meaning for another: defined twice, or also the name of a type of a header."""
+        return (len(self.files) < most_beside(path)
+                and all(names[key] and self.names[key] == names[key] for key in names.keys() & self.names.keys())
+                and not types & {name for _, name in self.names}
+                and not self.types & {name for _, name in names})
+
+    def add(self, path, names, types):
+        self.files.append(path)
+        self.names |= names
+        self.types |= types
 
 
 def sources():
@@ -82,40 +110,42 @@ def read_list():
     return groups, alone
 
 
-def grouped(files, groups, names):
-    """The groups with what can stay in them, and every other file where it meets no name of its own."""
-    taken = {}
+def grouped(files, groups, names, types):
+    """The groups with what can stay in them, and every other file in the first of its module that takes it."""
     result = []
-    for group in groups:
-        kept, used = [], set()
-        for path in group:
-            if path in files and path not in taken and not names[path] & used and len(kept) < most_beside(path):
-                kept.append(path)
-                used |= names[path]
-                taken[path] = True
-        if kept:
-            result.append((kept, used))
-    for path in sorted((path for path in files if path not in taken), key=lambda path: (-len(names[path]), path)):
+    left = set(files)
+
+    def put(group, path):
+        group.add(path, names[path], types[path])
+        left.discard(path)
+
+    for former in groups:
+        group = Group()
+        for path in former:
+            if path in left and group.takes(path, names[path], types[path]):
+                put(group, path)
+        if group.files:
+            result.append(group)
+    for path in sorted(left, key=lambda path: (-len(names[path]), path)):
         module = module_of(path)
-        place = next(((kept, used) for kept, used in result
-                      if len(kept) < most_beside(path) and module_of(kept[0]) == module and not names[path] & used), None)
+        place = next((group for group in result
+                      if module_of(group.files[0]) == module and group.takes(path, names[path], types[path])), None)
         if place is None:
-            place = ([], set())
+            place = Group()
             result.append(place)
-        place[0].append(path)
-        place[1].update(names[path])
-    return [sorted(kept) for kept, _ in result]
+        put(place, path)
+    return [sorted(group.files) for group in result]
 
 
 def main():
     groups, alone = read_list()
     every = sources()
-    names = {path: names_of(path) for path in every}
-    types = public_types()
-    hiding = {path for path in every if any(name in types for _, name in names[path])}
-    alone = sorted(set(alone) & set(every) | hiding)
-    files = {path for path in every if path not in alone}
-    wanted = sorted(grouped(files, groups, names))
+    alone = sorted(set(alone) & set(every))
+    files = [path for path in every if path not in alone]
+    names = {path: names_of(path) for path in files}
+    known = {}
+    types = {path: types_seen(path, known) for path in files}
+    wanted = sorted(grouped(files, groups, names, types))
     if wanted == sorted(sorted(group) for group in groups) and alone == sorted(read_list()[1]):
         return 0
     if "--fix" in sys.argv:

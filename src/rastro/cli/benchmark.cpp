@@ -21,14 +21,14 @@
 namespace rastro::cli {
 namespace {
 
-struct Flags {
+struct BenchmarkFlags {
   std::string file, out, data, baseline, save, only;
   int jobs = 1;
   int threads = 0;
   bool force = false, dry_run = false, quiet = false;
 };
 
-constexpr const char* footer = R"(
+constexpr const char* benchmark_footer = R"(
 FILE is a YAML list of recordings or worlds, methods, settings and disturbances; docs/how-to/benchmark.md describes it, bench/lists has
 some. Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
 where it was. Results of another program, or of a list that says otherwise now, are run again.
@@ -66,7 +66,7 @@ Examples:
   rastro benchmark bench/lists/worlds.yaml --out worlds --jobs 2
   rastro benchmark bench/lists/wrong_inputs.yaml --out wrong --only kitti_00)";
 
-BenchmarkList chosen_entries(const Flags& flags) {
+BenchmarkList chosen_entries(const BenchmarkFlags& flags) {
   BenchmarkList list = read_benchmark_list(flags.file);
   const auto is_other = [&](const BenchmarkEntry& entry) { return entry.name.find(flags.only) == std::string::npos; };
   list.entries.erase(std::remove_if(list.entries.begin(), list.entries.end(), is_other), list.entries.end());
@@ -79,7 +79,7 @@ void print_plan(const BenchmarkPlan& plan) {
   for (const BenchmarkRun& run : plan.runs) fmt::print("{}\n  {}\n", run.id, plan.command_of(run));
 }
 
-int report(const Flags& flags, const BenchmarkList& list, const std::vector<BenchmarkResult>& results,
+int report(const BenchmarkFlags& flags, const BenchmarkList& list, const std::vector<BenchmarkResult>& results,
            const BenchmarkRows& baseline) {
   const BenchmarkRows rows = rows_of(list, results);
   fmt::print("{}{}{}", table_text(rows, baseline), warnings_text(rows), expectations_text(list, results));
@@ -91,7 +91,7 @@ int report(const Flags& flags, const BenchmarkList& list, const std::vector<Benc
   return worse.empty() ? done : limit_missed;
 }
 
-int benchmark(const Flags& flags) {
+int benchmark(const BenchmarkFlags& flags) {
   const BenchmarkList list = chosen_entries(flags);
   const BenchmarkPlan plan = plan_benchmark(list, data_folder(flags.data));
   if (flags.dry_run) {
@@ -114,7 +114,7 @@ int benchmark(const Flags& flags) {
 
 void add_benchmark_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("benchmark", "Runs a list of recordings, worlds and methods and scores them");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<BenchmarkFlags>();
   command->add_option("FILE", flags->file, "List of runs, YAML")->type_name("")->required();
   command->add_option("--out", flags->out, "Folder of the results; kept from call to call")->type_name("DIR");
   command
@@ -132,7 +132,7 @@ void add_benchmark_command(CLI::App& app, Context& context) {
   command->add_flag("--force", flags->force, "Run again what has a result");
   command->add_flag("--dry-run", flags->dry_run, "Print the runs of the list and their commands only");
   command->add_flag("--quiet", flags->quiet, "No line after each run");
-  command->footer(footer + disturbances_text() + examples);
+  command->footer(benchmark_footer + disturbances_text() + examples);
   command->callback([flags, &context] { context.exit_code = benchmark(*flags); });
 }
 

@@ -24,7 +24,9 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr double largest_usual_square_m = 0.5;  // beyond it, it was probably given in cm or mm
+
+constexpr const char* calibrate_footer =
     R"(Estimates focal lengths, principal point and distortion from images of a board, with the standard deviation of each,
 and says how far the result can be trusted: the uncertainty of projection over the image, two halves of the images against
 each other, parts of the image and tilts that are missing, a board that is not flat, a model that is too simple.
@@ -62,7 +64,7 @@ Examples:
   rastro calibrate v4l2:/dev/video0 --right v4l2:/dev/video2 --board charuco:8x6:0.03:0.022 --out pair
   rastro calibrate 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025 --out pair --baseline 0.11)";
 
-struct Flags {
+struct CalibrateFlags {
   DataFlags data;
   std::string board, make_board, right, out, model = "auto";
   double baseline_m = 0.0;
@@ -82,13 +84,13 @@ LensModel model_named(const std::string& name) {
               "choose auto, pinhole4, pinhole5, pinhole8 or equidistant");
 }
 
-void refuse_existing_output(const Flags& flags) {
+void refuse_existing_output(const CalibrateFlags& flags) {
   if (flags.out.empty()) throw Error("is missing", "--out", "say where the result goes");
   if (!flags.force && std::filesystem::exists(flags.out))
     throw Error("already exists", flags.out, "choose another --out or add --force");
 }
 
-void make_board(const Flags& flags) {
+void make_board(const CalibrateFlags& flags) {
   const Board board = parse_board(flags.make_board);
   refuse_existing_output(flags);
   const bool pdf = flags.out.ends_with(".pdf");
@@ -120,7 +122,7 @@ void write_files(const CalibrationReport& report, const Board& board, const std:
 }
 
 /// The boards of the calibration with their depth.
-DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& report,
+DepthCalibrationInput depth_input(const CalibrateFlags& flags, const CalibrationReport& report,
                                   const std::vector<DepthImage>& depths) {
   DepthCalibrationInput input;
   const BoardProblem& problem = report.calibration.solution.problem;
@@ -150,7 +152,7 @@ void append_depth(const std::string& depth_text, const std::filesystem::path& pa
 }
 
 /// What does not go together.
-void check_flags(const Flags& flags) {
+void check_flags(const CalibrateFlags& flags) {
   const bool live = is_live(flags.data.path);
   if (!flags.right.empty() && live != is_live(flags.right))
     throw Error(live ? "is a recording beside a live source" : "is a live source beside a recording", "--right",
@@ -163,7 +165,7 @@ void check_flags(const Flags& flags) {
 }
 
 /// Null without --view.
-std::unique_ptr<LiveBoards> live_page(const Flags& flags) {
+std::unique_ptr<LiveBoards> live_page(const CalibrateFlags& flags) {
   const bool has_server = flags.server.port || !flags.server.listen.empty() || !flags.server.token.empty();
   if (!flags.view && has_server) throw Error("nothing is served", "--port, --listen, --token", "add --view");
   if (!flags.view) return nullptr;
@@ -174,14 +176,14 @@ std::unique_ptr<LiveBoards> live_page(const Flags& flags) {
   return std::make_unique<LiveBoards>(flags.server, hello, flags.stereo || !flags.right.empty() ? 2 : 1);
 }
 
-void require_task(const Flags& flags) {
+void require_task(const CalibrateFlags& flags) {
   if (flags.data.path.empty()) throw Error("is missing", "DATA", "give images, a video or a recording of a board");
   if (flags.board.empty())
     throw Error("is missing", "--board",
                 "say what it shows: chessboard:9x6:0.025 (inner corners, side of a square); --help has the others");
 }
 
-BoardImages find_images(const Flags& flags, const Board& board, LiveBoards* page) {
+BoardImages find_images(const CalibrateFlags& flags, const Board& board, LiveBoards* page) {
   const BoardSearchOptions search_for{flags.right, flags.most_views, flags.stereo, flags.depth,
                                       !flags.depth_camera.empty()};
   if (is_live(flags.data.path)) return find_boards_live(flags.data, board, search_for, page);
@@ -191,7 +193,7 @@ BoardImages find_images(const Flags& flags, const Board& board, LiveBoards* page
   return found;
 }
 
-CalibrationReport report_of(const Flags& flags, const CalibrationOptions& options, BoardImages found) {
+CalibrationReport report_of(const CalibrateFlags& flags, const CalibrationOptions& options, BoardImages found) {
   CalibrationReport report;
   report.calibration = calibrate_camera(found.input, options);
   report.input = std::move(found.input);
@@ -204,9 +206,11 @@ CalibrationReport report_of(const Flags& flags, const CalibrationOptions& option
   return report;
 }
 
-void calibrate(const Flags& flags) {
+void calibrate(const CalibrateFlags& flags) {
   require_task(flags);
   const Board board = parse_board(flags.board);
+  if (board.square_m > largest_usual_square_m)
+    log_warning(fmt::format("--board {}: squares of {:g} m? Sizes are in meters", flags.board, board.square_m));
   CalibrationOptions options;
   if (flags.model != "auto") options.model = model_named(flags.model);
   check_flags(flags);
@@ -232,7 +236,7 @@ void calibrate(const Flags& flags) {
   page->wait_until_closed();
 }
 
-void add_flags(CLI::App& command, Flags& flags) {
+void add_flags(CLI::App& command, CalibrateFlags& flags) {
   add_data_flags(command, flags.data);
   command.get_option("DATA")->required(false);
   command.add_option("--board", flags.board, "The board in the images; sizes in meters")
@@ -278,9 +282,9 @@ void add_flags(CLI::App& command, Flags& flags) {
 
 void add_calibrate_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("calibrate", "Calibrates a camera or a pair from images of a board");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<CalibrateFlags>();
   add_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(calibrate_footer);
   command->callback([flags, &context] {
     if (flags->data.quiet) set_log_sink({});
     if (!flags->make_board.empty()) {

@@ -41,7 +41,7 @@ void add_input_warnings(const std::string& path, OpenOptions options, CheckRepor
     if (warning.kind != "stamps_backward") report.warnings.push_back(warning.text);  // Listed one by one already.
 }
 
-constexpr const char* footer =
+constexpr const char* check_footer =
     R"(Reads every image, scan and observation and reports frame count and rate, gaps, repeated and decreasing timestamps and
 their unit, unreadable images, changes of image size, missing calibration, time offsets between depth and color, overlap
 with the ground truth; of laser scans their shape, the shares of returns, free and invalid beams, and jumps of the
@@ -71,7 +71,7 @@ void add_check_command(CLI::App& app, Context& context) {
       app.add_subcommand("check", "Checks a recording for gaps, bad timestamps, missing calibration and broken frames");
   const auto flags = std::make_shared<DataFlags>();
   add_data_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(check_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     const bool progress = !flags->quiet && isatty(STDERR_FILENO) == 1;

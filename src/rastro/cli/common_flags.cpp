@@ -113,10 +113,9 @@ OpenOptions open_options(const DataFlags& flags) {
   set_frames(flags.frames, options);
   if (flags.every < 1) throw Error(fmt::format("{} is not a step", flags.every), "--every", "give 1 or more");
   options.every = flags.every;
-  if (!(flags.rate_hz >= 0.0 && flags.rate_hz <= 1e6)) {
-    throw Error(fmt::format("{:g} is not a frame rate", flags.rate_hz), "--rate", "give Hz, such as 30");
-  }
-  options.rate_hz = flags.rate_hz;
+  if (flags.rate_hz && !(*flags.rate_hz > 0.0 && *flags.rate_hz <= 1e6))
+    throw Error(fmt::format("{:g} is not a frame rate", *flags.rate_hz), "--rate", "give Hz, such as 30");
+  options.rate_hz = flags.rate_hz.value_or(0.0);
   options.camera = flags.camera;
   if (flags.threads < 0) {
     throw Error(fmt::format("{} is not a number of threads", flags.threads), "--threads",

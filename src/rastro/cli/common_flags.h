@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct DataFlags {
   std::string path;                 ///< DATA
   std::string frames;               ///< --frames A:B (B not included; either may be empty)
   int every = 1;                    ///< --every N
-  double rate_hz = 0.0;             ///< --rate HZ, where stamps are missing
+  std::optional<double> rate_hz;    ///< --rate HZ, where stamps are missing
   std::string camera;               ///< --camera NAME: which camera of the data (default: the left or only one)
   double fov_deg = 0.0;             ///< --fov DEG, horizontal; 0 = not given
   std::string intrinsics;           ///< --intrinsics fx,fy,cx,cy

@@ -25,7 +25,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(
+constexpr const char* compare_footer = R"(
 INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
 of a recording for every run on it. Methods run with every sensor that they can use: a recording with depth also as one of one camera
 ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth images, as if the camera were level ('hector scan').
@@ -60,7 +60,7 @@ std::string disturbances_text() {
   return text;
 }
 
-struct Flags {
+struct CompareFlags {
   std::vector<std::string> inputs, methods;
   std::string data, frames, intrinsics, calibration, fov, rate, every;
   std::uint64_t seeds = 1;
@@ -73,7 +73,7 @@ struct Flags {
 };
 
 /// The flags that every run on a recording gets.
-std::vector<std::string> flags_of_recordings(const Flags& flags) {
+std::vector<std::string> flags_of_recordings(const CompareFlags& flags) {
   std::vector<std::string> words;
   for (const auto& [flag, value] :
        std::vector<std::pair<std::string, std::string>>{{"--intrinsics", flags.intrinsics},
@@ -86,12 +86,12 @@ std::vector<std::string> flags_of_recordings(const Flags& flags) {
 }
 
 /// One list of 'rastro benchmark' in place of inputs and methods.
-bool is_list(const Flags& flags) {
+bool is_list(const CompareFlags& flags) {
   const std::string extension = std::filesystem::path(flags.inputs.front()).extension().string();
   return flags.inputs.size() == 1 && (extension == ".yaml" || extension == ".yml");
 }
 
-CompareTask task_of(const Flags& flags, const std::string& data) {
+CompareTask task_of(const CompareFlags& flags, const std::string& data) {
   constexpr std::uint64_t most_seeds = 1000;
   if (flags.seeds < 1 || flags.seeds > most_seeds)
     throw Error(fmt::format("{} is not a number of worlds", flags.seeds), "--seeds", "give 1 to 1000");
@@ -113,7 +113,7 @@ CompareTask task_of(const Flags& flags, const std::string& data) {
 }
 
 /// As a benchmark, and the maps too.
-BenchmarkTools tools_of(const Flags& flags) {
+BenchmarkTools tools_of(const CompareFlags& flags) {
   BenchmarkTools tools = benchmark_tools(flags.timeout_s, flags.quiet);
   tools.score = [score = tools.score](const std::filesystem::path& folder, const BenchmarkJudgment& judgment,
                                       const std::filesystem::path& map_folder) {
@@ -142,7 +142,7 @@ void write_reports(const Comparison& comparison, const std::filesystem::path& ou
   fmt::print("\nreports: {0}/report.html, report.md, report.tex, report.csv\n", out.string());
 }
 
-Flags with_paper_defaults(Flags flags) {
+CompareFlags with_paper_defaults(CompareFlags flags) {
   constexpr std::uint64_t maps = 5;
   if (flags.inputs.empty()) {
     flags.inputs = paper_inputs();
@@ -152,8 +152,8 @@ Flags with_paper_defaults(Flags flags) {
   return flags;
 }
 
-int compare(const Flags& given) {
-  const Flags flags = given.paper ? with_paper_defaults(given) : given;
+int compare(const CompareFlags& given) {
+  const CompareFlags flags = given.paper ? with_paper_defaults(given) : given;
   if (flags.inputs.empty() && !flags.paper)
     throw Error("needs an input", "rastro compare", "give a recording, a world, a list (.yaml), or --paper");
   const std::string data = data_folder(flags.data);
@@ -185,7 +185,7 @@ int compare(const Flags& given) {
   return done;
 }
 
-void add_run_flags(CLI::App& command, Flags& flags) {
+void add_run_flags(CLI::App& command, CompareFlags& flags) {
   const char* group = "Runs";
   command.add_option("--seeds", flags.seeds, "Seeds 1 to N of each world (default: 1)")->type_name("N")->group(group);
   command
@@ -208,7 +208,7 @@ void add_run_flags(CLI::App& command, Flags& flags) {
   command.add_flag("--dry-run", flags.dry_run, "Print the runs and their commands only")->group(group);
 }
 
-void add_input_flags(CLI::App& command, Flags& flags) {
+void add_input_flags(CLI::App& command, CompareFlags& flags) {
   const char* group = "Input, of all recordings";
   command.add_option("--data", flags.data, "Folder of recordings (default: $RASTRO_DATA, else ../shared/data)")
       ->type_name("DIR")
@@ -229,7 +229,7 @@ void add_input_flags(CLI::App& command, Flags& flags) {
 
 void add_compare_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("compare", "Runs all methods on the same inputs and compares their figures");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<CompareFlags>();
   command
       ->add_option(
           "INPUT", flags->inputs,
@@ -260,7 +260,7 @@ void add_compare_command(CLI::App& app, Context& context) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_flag("--quiet", flags->quiet, "No line after each run");
-  command->footer(footer + disturbances_text());
+  command->footer(compare_footer + disturbances_text());
   command->callback([command, flags, &context] {
     flags->seeds_given = command->count("--seeds") > 0;
     context.exit_code = compare(*flags);

@@ -20,7 +20,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* convert_footer =
     R"(scan: CARMEN log (ROBOTLASER1), which every command reads back exactly. Scans of a laser are written as they are. From a
 depth camera a scan is cut out of each depth image, as by ROS' depthimage_to_laserscan: the nearest point in every
 direction, of the points within a band of heights; the camera is assumed to be level. Wheel odometry is kept.
@@ -30,7 +30,7 @@ Examples:
   rastro convert kitchen --to scan --height -0.2:0.1 --out kitchen.log
   rastro convert robot.bag --to scan --out robot.log)";
 
-struct Flags {
+struct ConvertFlags {
   DataFlags data;
   std::string to;
   std::string out;
@@ -119,7 +119,7 @@ Written write_scans(Source& source, const ScanFromDepthOptions& options, AppendF
   }
 }
 
-void report(const Flags& flags, const Written& written) {
+void report(const ConvertFlags& flags, const Written& written) {
   if (flags.data.json) {
     nlohmann::ordered_json json;
     json["out"] = flags.out;
@@ -137,7 +137,7 @@ void report(const Flags& flags, const Written& written) {
   }
 }
 
-void convert(Flags& flags) {
+void convert(ConvertFlags& flags) {
   if (flags.to != "scan") throw Error(in_quotes(flags.to) + " is not a format", "--to", "give scan");
   set_height(flags.height, flags.cut);
   OpenOptions options = open_options(flags.data);
@@ -149,6 +149,8 @@ void convert(Flags& flags) {
   AppendFile file(flags.out);
   const Written written = write_scans(*source, flags.cut, file);
   if (written.scans == 0) throw Error("no frame gave a scan", flags.data.path, "'rastro check' lists what is wrong");
+  if (written.returns == 0)
+    log_warning("no beam of any scan met anything; of depth images, --height may be beside all that they see");
   report(flags, written);
 }
 
@@ -156,7 +158,7 @@ void convert(Flags& flags) {
 
 void add_convert_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("convert", "Converts depth images or laser scans to a CARMEN log");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ConvertFlags>();
   add_data_flags(*command, flags->data);
   command->add_option("--to", flags->to, "Output format: scan")->type_name("KIND")->required();
   command->add_option("--out", flags->out, "Output file")->type_name("FILE")->required();
@@ -169,7 +171,7 @@ void add_convert_command(CLI::App& app, Context& context) {
                    "Depth images: maximum range in meters; beyond it a beam is free")
       ->type_name("M")
       ->capture_default_str();
-  command->footer(footer);
+  command->footer(convert_footer);
   command->callback([flags, &context] {
     if (flags->data.quiet) set_log_sink({});
     convert(*flags);

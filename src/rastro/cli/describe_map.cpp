@@ -178,7 +178,8 @@ void add_map(Json& json, const Map& map) {
 }  // namespace
 
 std::string describe_map(const MapFileReport& report, const std::string& file) {
-  const std::string head = fmt::format("{}: map of version {}, {:.1f} MB\n", file, report.version, megabytes(report));
+  const std::string version = report.version > 0 ? fmt::format(" of version {}", report.version) : "";  // 0: cut off
+  const std::string head = fmt::format("{}: map{}, {:.1f} MB\n", file, version, megabytes(report));
   return head + row("state", state_of(report)) + (report.map ? describe(*report.map) : "");
 }
 

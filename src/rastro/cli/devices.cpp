@@ -15,7 +15,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(
+constexpr const char* devices_footer = R"(
 Cameras of Video4Linux2 with their sizes and rates, depth cameras that OpenNI2 and libfreenect (Kinect 1) find, and
 depth cameras on the USB that lack their driver. A camera that cannot be used says why and what to do.
 
@@ -109,7 +109,7 @@ void add_devices_command(CLI::App& app, Context&) {
   CLI::App* command = app.add_subcommand("devices", "Lists connected cameras with their modes, and what is missing");
   const auto as_json = std::make_shared<bool>(false);
   command->add_flag("--json", *as_json, "Print the list as JSON");
-  command->footer(footer);
+  command->footer(devices_footer);
   command->callback([as_json] {
     const Devices devices = find_devices();
     fmt::print("{}", *as_json ? json_of(devices) : text_of(devices));

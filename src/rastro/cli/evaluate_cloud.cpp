@@ -19,7 +19,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* evaluate_cloud_footer =
     R"(REF is a PLY of the true surfaces (truth.ply of `rastro simulate bedroom`) or of points; EST a PLY of points, such as
 'rastro export --to ply' writes, or a run folder (its cloud.ply). Both are in the same frame, in meters; no alignment.
   mean median rms percentile_95 largest   distance of the points of EST from REF, m
@@ -31,7 +31,7 @@ Examples:
   rastro evaluate cloud bedroom/truth.ply run
   rastro evaluate cloud truth.ply room.ply --tolerance 0.01 --json --require 'median<=0.01')";
 
-struct Flags {
+struct EvaluateCloudFlags {
   std::string reference, estimate;
   CloudAgreementOptions options;
   std::vector<std::string> limits;
@@ -51,7 +51,7 @@ NamedNumbers numbers_of(const CloudAgreement& agreement) {
           {"points", static_cast<double>(agreement.points)}};
 }
 
-int evaluate_cloud(const Flags& flags) {
+int evaluate_cloud(const EvaluateCloudFlags& flags) {
   if (!(flags.options.tolerance_m > 0.0 && flags.options.tolerance_m <= 10.0))
     throw Error(fmt::format("{} is out of range", flags.options.tolerance_m), "--tolerance", "give meters, up to 10");
   if (flags.threads < 0 || flags.threads > 1024)
@@ -77,7 +77,7 @@ int evaluate_cloud(const Flags& flags) {
 void add_evaluate_cloud_command(CLI::App& evaluate, Context& context) {
   CLI::App* command =
       evaluate.add_subcommand("cloud", "Accuracy and completeness of a point cloud against true surfaces");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateCloudFlags>();
   command->add_option("REF", flags->reference, "PLY of the ground truth")->type_name("")->required();
   command->add_option("EST", flags->estimate, "PLY of the point cloud, or a run folder")->type_name("")->required();
   command
@@ -94,7 +94,7 @@ void add_evaluate_cloud_command(CLI::App& evaluate, Context& context) {
       ->type_name("N");
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(evaluate_cloud_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_cloud(*flags);

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* footer =
+constexpr const char* evaluate_loops_footer =
     R"(RUN is a run folder or a map file, RECORDING the generated recording that it was made from, with closures.yaml.
   accepted   constraints of the map between keyframes at least --gap apart in time
   wrong      of these, those whose relative pose is off by more than --max-error or --max-angle
@@ -39,7 +39,7 @@ Examples:
   rastro evaluate loops run campus
   rastro evaluate loops run campus --json --require 'wrong<=0' --require 'recall>=0.9')";
 
-struct Flags {
+struct EvaluateLoopsFlags {
   std::string run, recording;
   LoopClosureLimits loops;
   std::vector<std::string> limits;
@@ -77,7 +77,7 @@ std::string text_of(const LoopClosureScores& scores, TimeNs start) {
   return text;
 }
 
-void check(const Flags& flags) {
+void check(const EvaluateLoopsFlags& flags) {
   const double gap_s = flags.loops.gap_s, error_m = flags.loops.max_error_m, error_deg = flags.loops.max_error_deg;
   if (!(gap_s > 0.0 && gap_s <= 1e6)) throw Error("is not a time difference", "--gap", "give seconds, such as 15");
   if (!(error_m > 0.0 && error_m <= 1e6)) throw Error("is not a distance", "--max-error", "give meters, such as 0.5");
@@ -85,7 +85,7 @@ void check(const Flags& flags) {
     throw Error("is not an angle", "--max-angle", "give degrees, such as 10");
 }
 
-int evaluate_loops(const Flags& flags) {
+int evaluate_loops(const EvaluateLoopsFlags& flags) {
   check(flags);
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'recall>=0.9'");
   const std::string list = (fs::path(flags.recording) / "closures.yaml").string();
@@ -105,7 +105,7 @@ int evaluate_loops(const Flags& flags) {
 
 void add_evaluate_loops_command(CLI::App& evaluate, Context& context) {
   CLI::App* command = evaluate.add_subcommand("loops", "Precision and recall of the loop closures in a map");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateLoopsFlags>();
   command->add_option("RUN", flags->run, "Run folder or map file")->type_name("")->required();
   command->add_option("RECORDING", flags->recording, "Generated recording with closures.yaml")
       ->type_name("")
@@ -125,7 +125,7 @@ void add_evaluate_loops_command(CLI::App& evaluate, Context& context) {
       ->allow_extra_args(false);
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(evaluate_loops_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_loops(*flags);

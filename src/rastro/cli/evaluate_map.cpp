@@ -20,7 +20,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* evaluate_map_footer =
     R"(RUN is a run folder (its map.yaml) or the .yaml of an occupancy grid; GROUND_TRUTH is the .yaml of the true floor plan. Both
 are in the format of ROS map_server and in the same frame (a run's begins at its first pose unless --initial-pose was
 given), up to --align.
@@ -36,7 +36,7 @@ Examples:
   rastro evaluate map run corridor/floor_plan.yaml
   rastro evaluate map run/map.yaml corridor/floor_plan.yaml --align se2 --json --require 'iou>=0.8')";
 
-struct Flags {
+struct EvaluateMapFlags {
   std::string run, ground_truth, align = "none";
   double tolerance_cells = 1.0;
   std::vector<std::string> limits;
@@ -65,7 +65,7 @@ std::string text_of(const GridAgreement& agreement) {
   return text;
 }
 
-GridAgreementOptions options_of(const Flags& flags) {
+GridAgreementOptions options_of(const EvaluateMapFlags& flags) {
   GridAgreementOptions options;
   if (flags.align != "none" && flags.align != "se2")
     throw Error(in_quotes(flags.align) + " is not an alignment of maps", "--align", "give none or se2");
@@ -81,7 +81,7 @@ std::string map_file(const std::string& run) {
   return std::filesystem::is_directory(run, ignored) ? (std::filesystem::path(run) / "map.yaml").string() : run;
 }
 
-int evaluate_map(const Flags& flags) {
+int evaluate_map(const EvaluateMapFlags& flags) {
   const GridAgreementOptions options = options_of(flags);
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'iou>=0.8'");
   const OccupancyGrid map = read_map_server(map_file(flags.run)),
@@ -98,7 +98,7 @@ int evaluate_map(const Flags& flags) {
 
 void add_evaluate_map_command(CLI::App& evaluate, Context& context) {
   CLI::App* command = evaluate.add_subcommand("map", "Agreement of a 2D occupancy grid with the true floor plan");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateMapFlags>();
   command->add_option("RUN", flags->run, "Run folder or .yaml of an occupancy grid")->type_name("")->required();
   command->add_option("GROUND_TRUTH", flags->ground_truth, ".yaml of the true occupancy grid")
       ->type_name("")
@@ -112,7 +112,7 @@ void add_evaluate_map_command(CLI::App& evaluate, Context& context) {
       ->allow_extra_args(false);
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(evaluate_map_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_map(*flags);

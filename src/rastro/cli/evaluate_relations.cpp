@@ -19,7 +19,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* evaluate_relations_footer =
     R"(RUN is a run folder (its trajectory.txt) or a trajectory file with timestamps. FILE has lines of
 "stamp_a stamp_b x y z roll pitch yaw": the pose of the body at b relative to that at a (seconds, meters, radians).
   error       of a relation: relation^-1 * (a^-1 * b of the run), Kuemmerle et al. 2009; without alignment
@@ -31,7 +31,7 @@ Examples:
   rastro evaluate relations run --relations intel.relations
   rastro evaluate relations run --relations intel.relations --json --require 'trans_mean<=0.03' --require 'skipped<=0')";
 
-struct Flags {
+struct EvaluateRelationsFlags {
   std::string run, relations;
   double max_dt_s = 0.05;
   std::vector<std::string> limits;
@@ -59,7 +59,7 @@ std::string text_of(const RelationScores& scores, const std::string& run) {
   return text;
 }
 
-int evaluate_relations(const Flags& flags) {
+int evaluate_relations(const EvaluateRelationsFlags& flags) {
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'trans_mean<=0.03'");
   if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
     throw Error(fmt::format("{} is not a time difference", flags.max_dt_s), "--max-dt", "give seconds, such as 0.05");
@@ -87,7 +87,7 @@ int evaluate_relations(const Flags& flags) {
 void add_evaluate_relations_command(CLI::App& evaluate, Context& context) {
   CLI::App* command =
       evaluate.add_subcommand("relations", "Error of known relative poses: the metric of the 2D SLAM benchmarks");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateRelationsFlags>();
   command->add_option("RUN", flags->run, "Run folder or trajectory file")->type_name("")->required();
   command->add_option("--relations", flags->relations, "File of known relative poses")->type_name("FILE")->required();
   command
@@ -101,7 +101,7 @@ void add_evaluate_relations_command(CLI::App& evaluate, Context& context) {
       ->allow_extra_args(false);
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(evaluate_relations_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_relations(*flags);

@@ -25,7 +25,8 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Against exact ground truth (--ground-truth DATA, a recording of `rastro simulate`):
+constexpr const char* evaluate_tracks_footer =
+    R"(Against exact ground truth (--ground-truth DATA, a recording of `rastro simulate`):
   anchor        surface point at the pixel of an id's last observation before it was lost; for a corner on an occluding edge
                 the nearest surface of the 3x3 pixels around it
   lost          ids that end from one frame to the next and whose anchor is occluded in at least one frame before the id is
@@ -53,7 +54,7 @@ Examples:
   rastro track MH_01 --out clean --mode klt --features 1500 --set min_distance_px=5
   rastro evaluate tracks run --clean clean)";
 
-struct Flags {
+struct EvaluateTracksFlags {
   std::string run, ground_truth, clean, occluded, frames, csv;
   std::optional<int> window;
   std::optional<double> border_px;
@@ -96,7 +97,7 @@ void choose_frames(const std::string& frames, const TrackTable& table, TrackScor
   options.end_frame = position_of(ends[1], static_cast<std::int64_t>(table.frames.size()), table);
 }
 
-TrackScoreOptions score_options(const Flags& flags, const TrackRunInput& input, const TrackTable& table) {
+TrackScoreOptions score_options(const EvaluateTracksFlags& flags, const TrackRunInput& input, const TrackTable& table) {
   TrackScoreOptions options;
   options.window = flags.window.value_or(input.options.window);
   options.border_px = flags.border_px.value_or(input.options.corner_border_px);
@@ -120,7 +121,7 @@ void require_same_size(const TrackRunInput& input, int width, int height, const 
 }
 
 /// Error where frame numbers, timestamps or image size show that run and ground truth are of different recordings.
-void require_same_recording(const Flags& flags, const TrackRunInput& input, const TrackTable& table,
+void require_same_recording(const EvaluateTracksFlags& flags, const TrackRunInput& input, const TrackTable& table,
                             const OpenedGroundTruth& opened) {
   constexpr TimeNs tolerance = 1'000'000;
   require_same_size(input, opened.image_width, opened.image_height, flags.ground_truth);
@@ -148,7 +149,7 @@ void warn_of_drift(const TrackScores& scores, const std::string& ground_truth) {
                     ground_truth, 100.0 * scores.drifted_share));
 }
 
-TrackScores against_ground_truth(const Flags& flags, const TrackRunInput& input, const TrackTable& table,
+TrackScores against_ground_truth(const EvaluateTracksFlags& flags, const TrackRunInput& input, const TrackTable& table,
                                  TrackScoreOptions options) {
   const OpenedGroundTruth opened = open_ground_truth(flags.ground_truth);
   require_same_recording(flags, input, table, opened);
@@ -161,7 +162,7 @@ TrackScores against_ground_truth(const Flags& flags, const TrackRunInput& input,
   return scores;
 }
 
-TrackScores against_clean(const Flags& flags, const TrackRunInput& input, const TrackTable& table,
+TrackScores against_clean(const EvaluateTracksFlags& flags, const TrackRunInput& input, const TrackTable& table,
                           TrackScoreOptions options) {
   const TrackTable clean = read_tracks(flags.clean);
   const TrackRunInput clean_input = read_run_input(flags.clean);
@@ -192,7 +193,7 @@ int missed_limits(const TrackScores& scores, const std::vector<ScoreLimit>& limi
   return code;
 }
 
-int evaluate_tracks(const Flags& flags) {
+int evaluate_tracks(const EvaluateTracksFlags& flags) {
   if (flags.ground_truth.empty() == flags.clean.empty())
     throw Error("needs one ground truth", "evaluate tracks", "give either --ground-truth DATA or --clean RUN2");
   std::vector<ScoreLimit> limits;
@@ -215,7 +216,7 @@ int evaluate_tracks(const Flags& flags) {
 void add_evaluate_tracks_command(CLI::App& evaluate, Context& context) {
   CLI::App* command =
       evaluate.add_subcommand("tracks", "Recall and precision of re-identification, id switches, track lengths");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateTracksFlags>();
   command->add_option("RUN", flags->run, "Run folder of `rastro track`, or its tracks.csv or tracks.yaml")
       ->type_name("")
       ->required();
@@ -242,7 +243,7 @@ void add_evaluate_tracks_command(CLI::App& evaluate, Context& context) {
   command->add_flag("--per-frame", flags->per_frame, "Print the scores per frame");
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(evaluate_tracks_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_tracks(*flags);

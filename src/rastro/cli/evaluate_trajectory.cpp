@@ -22,7 +22,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* evaluate_trajectory_footer =
     R"(REF and EST are trajectory files in TUM (timestamp tx ty tz qx qy qz qw), KITTI (12 numbers a line) or EuRoC format
 (timestamp,x,y,z,qw,qx,qy,qz,...), or run folders (their trajectory.txt); REF may also be a recording with ground truth. Format
 and unit of the timestamps are detected.
@@ -55,7 +55,7 @@ Examples:
   rastro evaluate trajectory kitti_00 run --align sim3 --segments 10,20,30,40,50 --rpe-delta 10m
   rastro evaluate trajectory MH_01 run --align sim3 --json --require 'ate_rmse<=0.1' --require 'coverage>=95')";
 
-struct Flags {
+struct EvaluateTrajectoryFlags {
   std::string reference;
   std::vector<std::string> estimates;
   TrajectoryFileFlags files;
@@ -66,7 +66,7 @@ struct Flags {
   bool json = false, quiet = false;
 };
 
-TrajectoryScoreOptions score_options(const Flags& flags) {
+TrajectoryScoreOptions score_options(const EvaluateTrajectoryFlags& flags) {
   TrajectoryScoreOptions options;
   options.alignment = parse_alignment(flags.align);
   if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
@@ -141,7 +141,7 @@ void print_text(const ReferenceTrajectory& reference, const std::vector<Trajecto
   if (all.size() > 1) fmt::print("\n{}", trajectory_scores_as_table(all));
 }
 
-void require_use_of_times(const Flags& flags, const ReferenceTrajectory& reference,
+void require_use_of_times(const EvaluateTrajectoryFlags& flags, const ReferenceTrajectory& reference,
                           const std::vector<TrajectoryInput>& estimates) {
   const auto takes_times = [](const TrajectoryInput& input) {
     return input.format == TrajectoryFormat::kitti && !input.of_recording;
@@ -182,7 +182,7 @@ void warn_of_other_length(const TrajectoryInput& reference, const TrajectoryInpu
                   one_line(estimate.file), estimate.poses.size(), one_line(reference.file), reference.poses.size()));
 }
 
-int evaluate_trajectory(const Flags& flags) {
+int evaluate_trajectory(const EvaluateTrajectoryFlags& flags) {
   const TrajectoryScoreOptions options = score_options(flags);
   std::vector<ScoreLimit> limits;
   for (const std::string& text : flags.limits) limits.push_back(parse_trajectory_limit(text));
@@ -214,7 +214,7 @@ int evaluate_trajectory(const Flags& flags) {
   return code;
 }
 
-void add_input_flags(CLI::App& command, Flags& flags) {
+void add_input_flags(CLI::App& command, EvaluateTrajectoryFlags& flags) {
   command.add_option("REF", flags.reference, "Reference: trajectory file, run folder or recording with ground truth")
       ->type_name("")
       ->required();
@@ -237,7 +237,7 @@ void add_input_flags(CLI::App& command, Flags& flags) {
       ->type_name("FILE");
 }
 
-void add_score_flags(CLI::App& command, Flags& flags) {
+void add_score_flags(CLI::App& command, EvaluateTrajectoryFlags& flags) {
   command.add_option("--align", flags.align, "Alignment of EST with REF (default: se3)")
       ->type_name("none|se3|sim3|yaw|origin");
   command.add_option("--rpe-delta", flags.rpe_deltas, "RPE deltas, such as 10m (default: 1f,1s,1m)")
@@ -270,10 +270,10 @@ void add_score_flags(CLI::App& command, Flags& flags) {
 void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context) {
   CLI::App* command =
       evaluate.add_subcommand("trajectory", "ATE, RPE, KITTI segment errors, coverage and drift against a reference");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<EvaluateTrajectoryFlags>();
   add_input_flags(*command, *flags);
   add_score_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(evaluate_trajectory_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     context.exit_code = evaluate_trajectory(*flags);

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* footer =
+constexpr const char* export_footer =
     R"(RUN is a run folder or a map file (map.rastro); poses can also be taken from a trajectory file.
 All maps:
   html     one page with everything there is to see, which opens in a browser without a server or a network: trajectory,
@@ -69,10 +69,10 @@ Examples:
   rastro export run --to pgm --out floor.yaml --height 0.1:1.5
   rastro export run --to colmap --out colmap)";
 
-struct Flags {
+struct ExportFlags {
   ExportSettings settings;
   std::string input, height, submap = "0";
-  std::vector<std::string> given;  ///< Flags given on the command line.
+  std::vector<std::string> given;  ///< ExportFlags given on the command line.
   std::optional<int> stride;
   bool json = false, quiet = false;
   int threads = 0;
@@ -119,7 +119,7 @@ double checked(double value, double lowest, double highest, const char* flag, co
               fmt::format("give {:g} to {:g} {}", lowest, highest, unit));
 }
 
-void set_height(Flags& flags) {
+void set_height(ExportFlags& flags) {
   if (flags.height.empty()) return;
   const auto ends = split(flags.height, ':');
   const bool two = ends.size() == 2;
@@ -131,7 +131,7 @@ void set_height(Flags& flags) {
   flags.settings.lowest_m = lowest, flags.settings.highest_m = highest;
 }
 
-void settle(Flags& flags) {
+void settle(ExportFlags& flags) {
   ExportSettings& settings = flags.settings;
   if (settings.voxel_m) settings.cloud.voxel_m = checked(*settings.voxel_m, 0.001, 1.0, "--voxel", "m");
   checked(settings.octree.resolution_m, 0.005, 5.0, "--resolution", "m");
@@ -148,7 +148,7 @@ void settle(Flags& flags) {
   set_height(flags);
 }
 
-void settle_out(Flags& flags) {
+void settle_out(ExportFlags& flags) {
   std::string& out = flags.settings.out;
   if (!out.empty()) return;
   const std::string& to = flags.settings.to;
@@ -156,19 +156,19 @@ void settle_out(Flags& flags) {
   out = scene_name(flags.input) + "." + to;
 }
 
-void refuse_input(const Flags& flags) {
+void refuse_input(const ExportFlags& flags) {
   std::error_code ignored;
   for (const fs::path& file : {fs::path(flags.input), fs::path(flags.input) / "map.rastro"})
     if (fs::equivalent(file, flags.settings.out, ignored))
       throw Error("would overwrite the input", flags.settings.out, "give another --out");
 }
 
-bool is_given(const Flags& flags, const char* flag) {
+bool is_given(const ExportFlags& flags, const char* flag) {
   return std::find(flags.given.begin(), flags.given.end(), flag) != flags.given.end();
 }
 
 /// What is not given follows the depth that the map's sensor measures well.
-void fit_to_sensor(Flags& flags, const ExportInput& input) {
+void fit_to_sensor(ExportFlags& flags, const ExportInput& input) {
   if (!input.map || !input.map->layer<ImageLayer>()) return;
   ExportSettings& settings = flags.settings;
   const CloudOptions fitting = cloud_options_for(*input.map);
@@ -182,7 +182,7 @@ void fit_to_sensor(Flags& flags, const ExportInput& input) {
   settings.voxel_m = MeshOptions().voxel_m * ratio;
 }
 
-void report(const Flags& flags, const ExportFacts& facts) {
+void report(const ExportFlags& flags, const ExportFacts& facts) {
   const std::string &to = flags.settings.to, &out = flags.settings.out;
   if (flags.json) {
     ExportFacts all{{"out", out}, {"to", to}};
@@ -198,7 +198,7 @@ void report(const Flags& flags, const ExportFacts& facts) {
 }
 
 /// With the landmarks and poses that --submap, --min-count and --max-depth select.
-ExportInput chosen_input(const Flags& flags) {
+ExportInput chosen_input(const ExportFlags& flags) {
   ExportInput input = read_export_input(flags.input);
   refuse_unused_flags(flags.given, flags.settings.to, input);
   const auto given = [&](const char* flag) { return is_given(flags, flag); };
@@ -218,7 +218,7 @@ ExportInput chosen_input(const Flags& flags) {
   return input;
 }
 
-void run_export(Flags& flags) {
+void run_export(ExportFlags& flags) {
   const Format& format = format_named(flags.settings.to);
   settle(flags);
   settle_out(flags);
@@ -231,10 +231,13 @@ void run_export(Flags& flags) {
                                             bar.show_steps("keyframes", done, all);
                                           }});
   bar.clear();
+  if (const auto points = facts.find("points"); points != facts.end() && *points == 0)
+    log_warning(flags.settings.out +
+                " has no points: the map has none that --submap, --min-count and --max-depth let through");
   report(flags, facts);
 }
 
-void add_output_flags(CLI::App& command, Flags& flags) {
+void add_output_flags(CLI::App& command, ExportFlags& flags) {
   command.add_option("RUN", flags.input, "Run folder or map file")->required()->type_name("");
   command
       .add_option(
@@ -250,7 +253,7 @@ void add_output_flags(CLI::App& command, Flags& flags) {
       ->type_name("FILE");
 }
 
-void add_surface_flags(CLI::App& command, Flags& flags) {
+void add_surface_flags(CLI::App& command, ExportFlags& flags) {
   command
       .add_option("--voxel", flags.settings.voxel_m,
                   "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02; of a stereo pair in proportion to "
@@ -278,7 +281,7 @@ void add_surface_flags(CLI::App& command, Flags& flags) {
       ->type_name("N");
 }
 
-void add_page_flags(CLI::App& command, Flags& flags) {
+void add_page_flags(CLI::App& command, ExportFlags& flags) {
   command
       .add_option("--points", flags.settings.scene.points,
                   "html, mcap: maximum number of points of each layer (default: 300000; mcap: 1000000)")
@@ -291,7 +294,7 @@ void add_page_flags(CLI::App& command, Flags& flags) {
       ->type_name("FILE");
 }
 
-void add_other_flags(CLI::App& command, Flags& flags) {
+void add_other_flags(CLI::App& command, ExportFlags& flags) {
   command
       .add_option("--images", flags.settings.images,
                   "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
@@ -310,12 +313,12 @@ void add_other_flags(CLI::App& command, Flags& flags) {
 
 void add_export_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("export", "Exports a map or its trajectory to other formats");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ExportFlags>();
   add_output_flags(*command, *flags);
   add_surface_flags(*command, *flags);
   add_page_flags(*command, *flags);
   add_other_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(export_footer);
   command->callback([command, flags, &context] {
     for (const char* flag : {"--voxel", "--min-count", "--resolution", "--height", "--max-depth", "--stride",
                              "--submap", "--upright", "--images", "--points", "--mesh", "--octree", "--objects"})

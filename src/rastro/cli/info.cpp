@@ -15,7 +15,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* info_footer =
     R"(Of a recording: format, frames, cameras with calibration, stereo, depth, laser scans, wheel odometry, landmarks and ground
 truth, with warnings where something was guessed or looks wrong. Reads only the lists and the first image or scan;
 'rastro check' reads everything. Of a map (a file or a run folder): its contents, and whether every checksum is valid.
@@ -60,7 +60,7 @@ void add_info_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("info", "Describes a recording or a map");
   const auto flags = std::make_shared<DataFlags>();
   add_data_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(info_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     if (is_map(flags->path)) return show_map(*flags);

@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* footer =
+constexpr const char* measure_footer =
     R"(MAP is a map file (map.rastro), a run folder, or a point cloud (.ply, in meters; its sigma is used if present). In a map,
 planes are fitted to the depth images of the keyframes and edges are found with subpixel precision in their color images;
 every keyframe that observes both ends measures the length by itself, keyframes that observe one end count with the
@@ -75,7 +75,7 @@ Examples:
   rastro measure run --objects objects.yaml --known 'box width'
   rastro measure run/map.rastro --between -0.5,0.2,2.1 0.4,0.2,2.1)";
 
-struct Flags {
+struct MeasureFlags {
   std::vector<std::string> maps, between, only, limits;
   std::string objects, align, images, known, out;
   int threads = 0;
@@ -154,7 +154,7 @@ void check_known(const LengthObjects& objects, const std::string& known) {
     throw Error(in_quotes(known) + " is no object with a length_m", "--known", did_you_mean(known, names));
 }
 
-LengthObjects objects_of(const Flags& flags) {
+LengthObjects objects_of(const MeasureFlags& flags) {
   if (flags.objects.empty() == flags.between.empty())
     throw Error("needs lengths to measure", "rastro measure", "give --objects FILE or --between x,y,z x,y,z");
   if (!flags.between.empty()) {
@@ -207,7 +207,7 @@ void write_images(const fs::path& folder, std::size_t number, const Map& map,
   }
 }
 
-int measure(const Flags& flags) {
+int measure(const MeasureFlags& flags) {
   if (flags.json && flags.csv) throw Error("cannot be given together", "--json and --csv", "choose one");
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, length_figures({}), "'max_error_m<=0.01'");
   const LengthObjects wanted = objects_of(flags);
@@ -253,7 +253,7 @@ void check_threads(int threads) {
 void add_measure_command(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("measure", "Measures lengths in maps and point clouds, with their uncertainty");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<MeasureFlags>();
   command->add_option("MAP", flags->maps, "Map files, run folders or point clouds (.ply)")->type_name("")->required();
   command->add_option("--objects", flags->objects, "YAML file of the lengths to measure, see below")->type_name("FILE");
   command
@@ -289,7 +289,7 @@ void add_measure_command(CLI::App& app, Context& context) {
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--csv", flags->csv, "Print the result as CSV, a line per length");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(measure_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     check_threads(flags->threads);

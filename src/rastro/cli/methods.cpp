@@ -9,7 +9,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Examples:
+constexpr const char* methods_footer = R"(Examples:
   rastro methods
   rastro options hector          options of a method
   rastro slam intel.clf.gz --method hector --out run)";
@@ -24,7 +24,7 @@ void print_methods() {
 
 void add_methods_command(CLI::App& app, Context&) {
   CLI::App* command = app.add_subcommand("methods", "Lists the odometry and SLAM methods and the input of each");
-  command->footer(footer);
+  command->footer(methods_footer);
   command->callback(print_methods);
 }
 

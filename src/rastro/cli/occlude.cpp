@@ -15,7 +15,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* occlude_footer =
     R"(A textured post or person, a fifth to a third of the image wide, moves across the image from side to side, again and
 again with pauses, from frame 8 to 10 on; a point at rest is occluded for about 4 to 12 frames at a time. What reappears
 behind it is compared with a run on the original recording: see `rastro evaluate tracks --clean`. The same seed and data
@@ -28,7 +28,7 @@ Examples:
   rastro occlude MH_01_easy --out MH_01_occluded --seed 1
   rastro occlude kitti/00 --frames 0:100 --out kitti_occluded --seed 2 --force)";
 
-struct Flags {
+struct OccludeFlags {
   DataFlags data;
   std::string out;
   bool force = false;
@@ -44,8 +44,9 @@ std::string as_json(const OccludedCopyResult& result, const std::string& folder)
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-void occlude(const Flags& flags) {
+void occlude(const OccludeFlags& flags) {
   const std::unique_ptr<Source> source = rastro::open(flags.data.path, open_options(flags.data));
+  if (!source->info().has_image) throw Error("has no images", flags.data.path, "give a recording of a camera");
   for (const std::string& warning : source->info().warnings) log_warning(warning);
   TaskPool pool(flags.data.threads);
   std::int64_t complete = 0;
@@ -73,11 +74,11 @@ void occlude(const Flags& flags) {
 void add_occlude_command(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("occlude", "Copies a recording with a moving occluder drawn in, to test re-identification");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<OccludeFlags>();
   add_data_flags(*command, flags->data);
   command->add_option("--out", flags->out, "Output folder")->type_name("DIR")->required();
   command->add_flag("--force", flags->force, "Overwrite a former copy");
-  command->footer(footer);
+  command->footer(occlude_footer);
   command->callback([flags, &context] {
     if (flags->data.quiet) set_log_sink({});
     occlude(*flags);

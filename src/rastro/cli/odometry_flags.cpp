@@ -10,7 +10,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(
+constexpr const char* odometry_footer = R"(
 Output files, in --out:
   trajectory.txt         final pose of every frame, TUM format: timestamp tx ty tz qx qy qz qw, world_from_camera; the
                          world is the first camera
@@ -75,7 +75,7 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_record_flag(command, flags.live);
   add_view_flags(command, flags);
   add_data_flags(command, flags.data);
-  command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);
+  command.footer("Methods:\n" + methods_text(odometry_methods()) + odometry_footer);
 }
 
 void apply_settings(const OdometryFlags& flags, OptionTable& table) {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t text_width = 100;
 
-constexpr const char* footer =
+constexpr const char* options_footer =
     R"(Values are taken in this order: default, --preset, --options FILE, --set KEY=VALUE, flags of the command. The values in use are
 written to options.yaml of every run.
 
@@ -122,7 +122,7 @@ void add_options_command(CLI::App& app, Context&) {
   command->add_option("--preset", *preset, "Values of a preset of the method, such as paper (default: default)")
       ->type_name("NAME");
   command->add_flag("--yaml", *yaml, "Print a file for --options");
-  command->footer(footer);
+  command->footer(options_footer);
   command->callback([method, preset, yaml] { print_options(*method, *preset, *yaml); });
 }
 

@@ -71,7 +71,7 @@ void refuse_empty_values(const std::vector<std::string>& words) {
   }
 }
 
-std::string one_line(const CLI::App& app, const CLI::ParseError& error) {
+std::string parse_error_line(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
   // A mistyped flag often shows first as a missing argument: name the flag, it is the cause.
   for (const std::string& word : app.remaining(true)) {

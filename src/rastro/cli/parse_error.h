@@ -11,7 +11,7 @@ namespace rastro::cli {
 void refuse_unknown_command(const CLI::App& app, int argc, const char* const* argv);
 
 /// What is wrong with the command line, in one line that names the nearest flag of the command where a flag is unknown.
-std::string one_line(const CLI::App& app, const CLI::ParseError& error);
+std::string parse_error_line(const CLI::App& app, const CLI::ParseError& error);
 
 /// Error for a word such as `--out=`: CLI11 takes the next word for the value.
 void refuse_empty_values(const std::vector<std::string>& words);

@@ -27,7 +27,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Exit codes:
+constexpr const char* program_footer = R"(Exit codes:
   0  success; also when stopped with Ctrl-C, which keeps the results so far
   1  success, but a limit given with --require was missed
   2  wrong usage or unusable input; one line on standard error says what and where
@@ -145,7 +145,7 @@ int dispatch(int argc, const char* const* argv) {
   CLI::App app("Turns camera and laser recordings into feature tracks, trajectories and maps, and evaluates them.",
                "rastro");
   app.set_version_flag("--version", version_text(), "Print version, commit, compiler and optional features");
-  app.footer(footer);
+  app.footer(program_footer);
   app.require_subcommand(1);
   app.get_formatter()->column_width(32);
   Context context;
@@ -157,7 +157,7 @@ int dispatch(int argc, const char* const* argv) {
     parse(app, words);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-    return say(unusable, one_line(app, error));
+    return say(unusable, parse_error_line(app, error));
   }
   return context.exit_code;
 }

@@ -140,7 +140,7 @@ TEST(ParseErrors, NameTheNearestCommandOrFlag) {
     try {
       app.parse(static_cast<int>(words.size()), words.data());
     } catch (const CLI::ParseError& error) {
-      return one_line(app, error);
+      return parse_error_line(app, error);
     }
     return "no error";
   };

@@ -18,7 +18,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(
+constexpr const char* record_footer = R"(
 The recording is in EuRoC/ASL layout (mav0/cam0, and mav0/cam1 of a stereo pair), or in that of TUM RGB-D where the
 source has depth. It grows as frames come: images are lossless PNG, stamps are the source's own, the calibration is
 written beside them. A recording that is stopped (Ctrl-C), killed or ended by a full disk has all frames up to there.
@@ -94,7 +94,7 @@ void add_record_command(CLI::App& app, Context&) {
   command->add_option("--out", flags->out, "Output folder; new or empty")->type_name("DIR")->required();
   add_live_flags(*command, flags->live, "the disk");
   add_data_flags(*command, flags->data);
-  command->footer(footer);
+  command->footer(record_footer);
   command->callback([flags] {
     if (flags->data.quiet) set_log_sink({});
     record(*flags);

@@ -13,7 +13,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* recover_footer =
     R"(Reads every row with a valid checksum of a map file that is truncated, damaged or of a killed run, and writes them as
 a new map. Keyframes keep their ids; constraints and layer data of lost keyframes are dropped. MAP is not changed.
 
@@ -55,7 +55,7 @@ void add_recover_command(CLI::App& app, Context& context) {
   command->add_option("MAP", flags->map, "Map file or run folder")->type_name("")->required();
   command->add_option("--out", flags->out, "Map file to write")->type_name("FILE")->required();
   command->add_flag("--force", flags->force, "Overwrite --out");
-  command->footer(footer);
+  command->footer(recover_footer);
   command->callback([flags, &context] { context.exit_code = recover(*flags); });
 }
 

@@ -19,7 +19,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* scale_footer =
     R"(A map of one camera is known up to scale. This estimates the scale with its sigma and makes the map metric; of a run
 (its folder, or the map.rastro in it) also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt,
 map.png and result.json. Give one of:
@@ -36,7 +36,7 @@ Examples:
   rastro scale run --reference kitti_00
   rastro scale run/map.rastro --camera-height 1.65)";
 
-struct Flags {
+struct ScaleFlags {
   std::string map, reference;
   std::vector<std::string> lengths;
   double camera_height_m = 0.0;
@@ -62,7 +62,7 @@ KnownLength parse_length(const std::string& text) {
   return length;
 }
 
-MapScaleFound find_scale(const Flags& flags, const Map& map) {
+MapScaleFound find_scale(const ScaleFlags& flags, const Map& map) {
   const int given =
       (flags.lengths.empty() ? 0 : 1) + (flags.reference.empty() ? 0 : 1) + (flags.camera_height_m > 0 ? 1 : 0);
   if (given != 1)
@@ -124,7 +124,7 @@ void warn_of_misfit(const MapScaleFound& found, const std::string& reference) {
                   one_line(reference), 100.0 * found.position_misfit, found.turn_misfit_deg));
 }
 
-void scale(const Flags& flags, bool height_given) {
+void scale(const ScaleFlags& flags, bool height_given) {
   constexpr double highest_m = 1000.0;
   if (height_given && !(flags.camera_height_m > 0.0 && flags.camera_height_m <= highest_m))
     throw Error(fmt::format("{:g} m is not a camera height", flags.camera_height_m), "--camera-height",
@@ -154,7 +154,7 @@ void scale(const Flags& flags, bool height_given) {
 
 void add_scale_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("scale", "Makes the map of one camera metric");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ScaleFlags>();
   command->add_option("RUN", flags->map, "Run folder or map file")->required()->type_name("");
   command->add_option("--length", flags->lengths, "Known distance between two landmarks or two frames; may be repeated")
       ->type_name("A,B,METERS")
@@ -165,7 +165,7 @@ void add_scale_command(CLI::App& app, Context& context) {
       ->type_name("M");
   command->add_flag("--json", flags->json, "Print the result as JSON");
   command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
-  command->footer(footer);
+  command->footer(scale_footer);
   command->callback([command, flags, &context] {
     scale(*flags, command->count("--camera-height") > 0);
     context.exit_code = done;

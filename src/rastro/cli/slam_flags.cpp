@@ -14,7 +14,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(
+constexpr const char* slam_footer = R"(
 Output files, in --out:
   trajectory.txt         final pose of every frame, TUM format: timestamp tx ty tz qx qy qz qw, world_from_body; meters,
                          or up to scale with one camera: --sensor mono, or orb on a recording of one camera
@@ -173,7 +173,7 @@ void add_slam_flags(CLI::App& command, SlamFlags& flags) {
   add_live_flags(command, flags.live);
   add_record_flag(command, flags.live);
   add_data_flags(command, flags.data);
-  command.footer(methods_text() + footer);
+  command.footer(methods_text() + slam_footer);
 }
 
 void add_localize_flags(CLI::App& command, SlamFlags& flags) {

@@ -10,7 +10,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Output files, in --out:
+constexpr const char* track_footer = R"(Output files, in --out:
   tracks.yaml tracks.csv tracks.jsonl  per frame and feature: id, pixel, undistorted ray, age, state, last observation
   table.md       features tracked and re-identified per frame, as Table I of the paper
   stats.csv      counts and times per frame
@@ -98,7 +98,7 @@ void add_track_flags(CLI::App& command, TrackFlags& flags) {
   add_record_flag(command, flags.live);
   add_view_flags(command, flags);
   add_data_flags(command, flags.data);
-  command.footer(footer);
+  command.footer(track_footer);
 }
 
 void apply_preset(const TrackFlags& flags, TrackOptions& options) {

@@ -26,7 +26,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* view_footer =
     R"(RUN is a run folder, a map file (map.rastro), a trajectory file, a cloud (PLY) or a recording; several are laid over
 each other. Shown are trajectory (final and as first estimated, ground truth where the recording has one; by state, error,
 time or uncertainty), keyframes, covisibility and essential graph, constraints and loop closures, landmarks, cloud,
@@ -52,7 +52,7 @@ Examples:
   rastro view rgbd_dataset_freiburg1_room       a recording, frame by frame
   rastro view run --listen 0.0.0.0              from other machines, with a generated token)";
 
-struct Flags {
+struct ViewFlags {
   std::vector<std::string> inputs;
   SceneFlags scene;
   ServerFlags server;
@@ -62,7 +62,7 @@ struct Flags {
 };
 
 /// -1 is all.
-int submap_in(const Flags& flags) {
+int submap_in(const ViewFlags& flags) {
   if (flags.submap == "all") return -1;
   const auto submap = parse_int64(flags.submap);
   if (submap && *submap >= 0 && *submap < 1'000'000) return static_cast<int>(*submap);
@@ -90,7 +90,7 @@ TileProgress tiling_shown_in(ProgressBar& bar) {
   return [&bar](std::size_t done, std::size_t all) { bar.show_steps("points in tiles", done, all); };
 }
 
-NamedScene shown(const ExportInput& input, const Flags& flags, const ViewSceneOptions& options, TaskPool& pool,
+NamedScene shown(const ExportInput& input, const ViewFlags& flags, const ViewSceneOptions& options, TaskPool& pool,
                  ProgressBar& bar) {
   const auto progress = [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); };
   NamedScene scene = served_scene_of(input, options, pool, progress, tiling_shown_in(bar), flags.scene.objects);
@@ -98,7 +98,7 @@ NamedScene shown(const ExportInput& input, const Flags& flags, const ViewSceneOp
   return scene;
 }
 
-std::vector<NamedScene> read_scenes(const Flags& flags) {
+std::vector<NamedScene> read_scenes(const ViewFlags& flags) {
   constexpr std::size_t default_points = 50'000'000;  // as many as there are
   if (flags.threads < 0 || flags.threads > 1024)
     throw Error(fmt::format("{} is out of range", flags.threads), "--threads", "give 0 to 1024");
@@ -121,7 +121,7 @@ std::vector<NamedScene> read_scenes(const Flags& flags) {
   return scenes;
 }
 
-void say_where(const Flags& flags, const ViewServer& server) {
+void say_where(const ViewFlags& flags, const ViewServer& server) {
   if (flags.json) {
     const nlohmann::ordered_json json{{"url", server.url()}, {"port", server.port()}};
     fmt::print("{}\n", json.dump(2));
@@ -132,7 +132,7 @@ void say_where(const Flags& flags, const ViewServer& server) {
   if (!flags.quiet) fmt::print(stderr, "Open this address in a browser; stop with Ctrl-C.\n");
 }
 
-void run_view(const Flags& flags) {
+void run_view(const ViewFlags& flags) {
   const ViewServerOptions options = server_options(flags.server);
   std::vector<NamedScene> scenes = read_scenes(flags);
   catch_interrupts();
@@ -146,7 +146,7 @@ void run_view(const Flags& flags) {
 
 void add_view_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("view", "Shows runs, maps and recordings in a browser");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<ViewFlags>();
   command->add_option("RUN", flags->inputs, "Run folders, map files, clouds or recordings")->required()->type_name("");
   add_server_flags(*command, flags->server, "");
   command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 50000000)")
@@ -159,7 +159,7 @@ void add_view_command(CLI::App& app, Context& context) {
   command->add_option("--threads", flags->threads, "Number of threads (default: all cores)")->type_name("N");
   command->add_flag("--json", flags->json, "Print the address as JSON");
   command->add_flag("--quiet", flags->quiet, "Print the address, errors and warnings only");
-  command->footer(footer);
+  command->footer(view_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     run_view(*flags);

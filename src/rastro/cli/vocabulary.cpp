@@ -17,7 +17,7 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer =
+constexpr const char* vocabulary_footer =
     R"(Trains a bag-of-words vocabulary: a tree of ORB descriptors, by hierarchical clustering. The one that SLAM uses is built in
 and was trained on many kinds of generated images. Your own helps where all recordings are of one kind, such as under water:
 replace data/vocabulary.rvoc by it and build rastro again. IMAGES are folders or quoted globs of images, recordings or
@@ -29,7 +29,7 @@ Examples:
   rastro vocabulary MH_01_easy kitti/00 --every 10 --out mine.rvoc
   rastro vocabulary 'frames/*.png' --branching 10 --depth 4 --out small.rvoc)";
 
-struct Flags {
+struct VocabularyFlags {
   std::vector<std::string> images;
   std::string out;
   int every = 1, threads = 0;
@@ -41,8 +41,8 @@ struct Flags {
 using Descriptors = std::vector<std::vector<Descriptor>>;
 
 /// Of every image of one argument. An image that cannot be read is skipped with a warning.
-void collect(const std::string& path, const Flags& flags, OrbExtractor& extractor, TaskPool& pool, ProgressBar& bar,
-             Descriptors& descriptors) {
+void collect(const std::string& path, const VocabularyFlags& flags, OrbExtractor& extractor, TaskPool& pool,
+             ProgressBar& bar, Descriptors& descriptors) {
   OpenOptions options;
   options.every = flags.every;
   const std::unique_ptr<Source> source = rastro::open(path, options);
@@ -62,12 +62,12 @@ void collect(const std::string& path, const Flags& flags, OrbExtractor& extracto
   }
 }
 
-void refuse_existing(const Flags& flags) {
+void refuse_existing(const VocabularyFlags& flags) {
   if (!flags.force && std::filesystem::exists(flags.out))
     throw Error("already exists", flags.out, "choose another --out or add --force");
 }
 
-void say(const Flags& flags, const Descriptors& descriptors, const Vocabulary& vocabulary) {
+void say(const VocabularyFlags& flags, const Descriptors& descriptors, const Vocabulary& vocabulary) {
   std::size_t count = 0;
   for (const auto& image : descriptors) count += image.size();
   const auto bytes = std::filesystem::file_size(flags.out);
@@ -87,7 +87,7 @@ void say(const Flags& flags, const Descriptors& descriptors, const Vocabulary& v
   }
 }
 
-void train(const Flags& flags) {
+void train(const VocabularyFlags& flags) {
   refuse_existing(flags);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
@@ -103,7 +103,7 @@ void train(const Flags& flags) {
   say(flags, descriptors, vocabulary);
 }
 
-void add_flags(CLI::App& command, Flags& flags) {
+void add_flags(CLI::App& command, VocabularyFlags& flags) {
   command.add_option("IMAGES", flags.images, "Folders or globs of images, recordings, videos")
       ->type_name("")
       ->required();
@@ -141,9 +141,9 @@ void add_flags(CLI::App& command, Flags& flags) {
 
 void add_vocabulary_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("vocabulary", "Trains a visual vocabulary for place recognition");
-  const auto flags = std::make_shared<Flags>();
+  const auto flags = std::make_shared<VocabularyFlags>();
   add_flags(*command, *flags);
-  command->footer(footer);
+  command->footer(vocabulary_footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
     train(*flags);

@@ -151,5 +151,13 @@ TEST(Images, StampsFromNamesNeedSixteenRisingDigits) {
   EXPECT_FALSE(stamps_from_names({"99999999999999999999.png"}));
 }
 
+TEST(Images, StampsFromNamesMayBeSecondsWithAFraction) {
+  EXPECT_THAT(*stamps_from_names({"1305031102.175304.png", "1305031102.211214.png"}),
+              ElementsAre(1305031102175304000, 1305031102211214000));
+  EXPECT_FALSE(stamps_from_names({"1.5.png", "2.5.png"})) << "a version, not a time";
+  EXPECT_FALSE(stamps_from_names({"1305031102.1.2.png", "1305031102.1.3.png"}));
+  EXPECT_FALSE(stamps_from_names({"1305031102.175304.png", "1403715285262142976.png"})) << "of two kinds";
+}
+
 }  // namespace
 }  // namespace rastro

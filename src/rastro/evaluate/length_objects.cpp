@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <set>
+#include <string>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
@@ -189,7 +191,12 @@ LengthObjects parse_length_objects(std::string_view yaml, std::string_view where
   const YAML::Node list = fields.part("objects");
   if (!list.IsSequence() || list.size() == 0 || list.size() > most_objects)
     fields.refuse(list, "objects", fmt::format("is not a list of 1 to {} objects", most_objects));
-  for (const YAML::Node& node : list) read.objects.push_back(object_in(node, file, radius_m));
+  std::set<std::string> names;
+  for (const YAML::Node& node : list) {
+    read.objects.push_back(object_in(node, file, radius_m));
+    if (!names.insert(read.objects.back().name).second)
+      fields.refuse(node, "name", fmt::format("{} is that of two objects", in_quotes(read.objects.back().name)));
+  }
   return read;
 }
 

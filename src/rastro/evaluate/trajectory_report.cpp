@@ -126,7 +126,10 @@ std::string alignment_text(const TrajectoryScores& s) {
       text = "origin: the first matched pose, scale 1 (not estimated)";
       break;
   }
-  return text + (s.alignment_unique ? "" : "; the positions lie on one line, so the rotation about it is undetermined");
+  if (s.alignment_unique) return text;
+  if (s.reference_path_m == 0.0 || s.estimate_path_m == 0.0)
+    return text + "; one of the two does not move, so the rotation is undetermined";
+  return text + "; the positions lie on one line, so the rotation about it is undetermined";
 }
 
 std::string segments_text(const TrajectoryScores& s) {

@@ -22,8 +22,8 @@ using Eigen::Vector3d;
 constexpr int longest_px = 1200, margin_px = 40, caption_px = 30;
 constexpr int least_width_px = 600, least_height_px = 300;  // The caption fits in.
 constexpr double strays = 0.02;  ///< Share of the landmarks on each side that may lie outside the sheet.
-constexpr PlotColor gray{190, 190, 190}, light_green{190, 230, 190}, green{60, 150, 60}, red{220, 40, 40},
-    blue{40, 70, 220}, dark{30, 30, 30};
+constexpr PlotColor gray{190, 190, 190}, light_green{190, 230, 190}, green{60, 150, 60};
+constexpr PlotColor red{220, 40, 40}, blue{40, 70, 220}, dark{30, 30, 30};
 
 /// Rows: right, up on the sheet, as directions of the world.
 Eigen::Matrix<double, 2, 3> sheet_axes(const Map& map) {

@@ -12,6 +12,7 @@
 
 #include "rastro/base/random.h"
 #include "rastro/math/median.h"
+#include "rastro/multiview/competing_motions.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/homography.h"
 #include "rastro/multiview/homography_motion.h"
@@ -124,6 +125,18 @@ double rotation_score(std::span<const TwoViewPair> pairs, const TwoViewOptions& 
   return rotation ? score_homography(pairs, rotation->second_from_first.matrix(), options).score : 0.0;
 }
 
+/// The best score of a motion in a clearly other direction. Where the views hardly tell directions apart, it is about
+/// as good as the best one, and noise decides.
+double competing_score(std::span<const TwoViewPair> pairs, const SE3& motion, const Scored& model,
+                       const TwoViewOptions& options) {
+  const Points points(pairs);
+  double best = 0.0;
+  for (const SE3& other :
+       competing_motions(motion, points.first, points.second, model.is_inlier, options.competing_angle_deg))
+    best = std::max(best, score_essential(pairs, essential_of(other), options).score);
+  return best;
+}
+
 /// The four of an essential matrix (Hartley and Zisserman 2004, result 9.19).
 std::vector<SE3> motions_of_essential(const Eigen::Matrix3d& essential) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -209,6 +222,26 @@ void decide(std::vector<Hypothesis> hypotheses, const TwoViewOptions& options, T
   fit.status = TwoViewStatus::found;
 }
 
+/// Refuses a motion that another explains about as well.
+void refuse_doubtful(std::span<const TwoViewPair> pairs, const Scored& model, const TwoViewOptions& options,
+                     TwoViewFit& fit) {
+  // The error of a rotation estimated as a motion gives points parallax.
+  const double rotation_share = rotation_score(pairs, options) / model.score;
+  if (rotation_share > options.max_rotation_score) {
+    fit.status = TwoViewStatus::little_motion;
+    fit.detail = fmt::format("a pure rotation has {:.0f} % of the score, need at most {:.0f} %", 100.0 * rotation_share,
+                             100.0 * options.max_rotation_score);
+    return;
+  }
+  if (fit.planar) return;
+  const double competing_share = competing_score(pairs, fit.second_from_first, model, options) / model.score;
+  if (competing_share > options.max_competing_score) {
+    fit.status = TwoViewStatus::ambiguous;
+    fit.detail = fmt::format("a motion in another direction has {:.0f} % of the score, need at most {:.0f} %",
+                             100.0 * competing_share, 100.0 * options.max_competing_score);
+  }
+}
+
 }  // namespace
 
 const char* name_of(TwoViewStatus status) {
@@ -264,14 +297,7 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   hypotheses.reserve(motions.size());
   for (const SE3& motion : motions) hypotheses.push_back(judged(motion, pairs, model, options));
   decide(std::move(hypotheses), options, fit);
-  if (fit.status != TwoViewStatus::found) return fit;
-  // The error of a rotation estimated as a motion gives points parallax.
-  const double rotation_share = rotation_score(pairs, options) / model.score;
-  if (rotation_share > options.max_rotation_score) {
-    fit.status = TwoViewStatus::little_motion;
-    fit.detail = fmt::format("a pure rotation has {:.0f} % of the score, need at most {:.0f} %", 100.0 * rotation_share,
-                             100.0 * options.max_rotation_score);
-  }
+  if (fit.status == TwoViewStatus::found) refuse_doubtful(pairs, model, options, fit);
   return fit;
 }
 

@@ -29,7 +29,9 @@ struct TwoViewOptions {
   double min_model_share = 0.5;         ///< Minimum share of inliers of the selected model.
   double near_plane_share = 0.40;       ///< S_H / (S_H + S_F) above which the scene may be a plane ...
   double near_plane_model_share = 0.8;  ///< ... unless this share of all pairs fits the fundamental matrix.
-  double max_rotation_score = 0.9;      ///< Maximum share of its score that a pure rotation may reach.
+  double max_rotation_score = 0.9;      ///< Maximum share of its score that a pure rotation may reach ...
+  double max_competing_score = 0.95;    ///< ... and that another motion may ...
+  double competing_angle_deg = 15.0;    ///< ... whose direction differs by this much.
   double min_inlier_share = 0.8;        ///< Minimum share of the model's inliers in front of both views.
   double max_runner_up = 0.7;           ///< Maximum share of the best motion's points for the second best.
   double min_parallax_deg = 1.0;        ///< Median over the model's inliers.

@@ -60,7 +60,7 @@ std::optional<std::int64_t> whole(const Decimal& decimal) {
     const auto cut = static_cast<std::size_t>(-decimal.exponent);
     if (cut > digits.size()) return 0;
     round_up = digits[digits.size() - cut] >= '5';
-    digits.resize(digits.size() - cut);
+    digits.erase(digits.size() - cut);
   }
   std::int64_t value = 0;
   const auto append = [&](int digit) {

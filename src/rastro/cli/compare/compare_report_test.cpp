@@ -118,6 +118,13 @@ TEST(UseCases, RecommendTheSmallestErrorOfThoseThatComplete) {
   EXPECT_THAT(summary_rows(comparison)[1], testing::Contains("good"));
 }
 
+TEST(UseCases, AFirstLookAtFewFramesIsCalledThat) {
+  Comparison comparison = three_methods();
+  EXPECT_THAT(report_of(comparison).advice[0].text, Not(HasSubstr("first look")));
+  for (FinishedRun& run : comparison.runs) run.result.scores.frames = 3;
+  EXPECT_THAT(report_of(comparison).advice[0].text, HasSubstr("With 18 frames in all this is a first look"));
+}
+
 TEST(UseCases, WhoClaimsEveryFrameAndIsFarOffSetsNoMark) {
   Comparison comparison = three_methods();
   comparison.table = ResultTable();

@@ -139,7 +139,7 @@ Comparison CompareSession::comparison() const {
   Comparison all;
   all.inputs = task_.inputs;
   all.refused = refused_;
-  all.runs = finished_runs(plan_, plan, results_, setup_.out);
+  all.runs = finished_runs(plan_, plan, results_, setup_);
   all.planned = plan.runs.size();
   all.column_kinds = column_kinds_;
   all.table = table_of(all.inputs, all.runs);

@@ -23,15 +23,16 @@ std::string as_typed(const std::vector<std::string>& words, const fs::path& out)
 }
 
 FinishedRun finished(const CompareRun& what, const BenchmarkRun& run, const BenchmarkResult& result,
-                     const fs::path& out) {
+                     const BenchmarkSetup& setup) {
   FinishedRun done;
   done.what = what;
   done.seed = run.seed;
   done.result = result;
-  done.folder = out / "runs" / run.id;
-  done.recording = resolved(run.words[1], out);
-  done.ground_truth = resolved(run.judgment.ground_truth, out);
-  done.run_command = as_typed(run.words, out) + " --out " + done.folder.string();
+  done.folder = setup.out / "runs" / run.id;
+  done.recording = resolved(run.words[1], setup.out);
+  done.ground_truth = resolved(run.judgment.ground_truth, setup.out);
+  done.run_command = as_typed(run.words, setup.out) + " --out " + done.folder.string();
+  if (setup.threads > 0) done.run_command += fmt::format(" --threads {}", setup.threads);
   const std::string& alignment = result.scores.alignment;
   if (!alignment.empty())
     done.evaluate_command =
@@ -103,7 +104,7 @@ void add_same_bytes(const CompareInput& input, const FinishedRun& again, const s
 }  // namespace
 
 std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const BenchmarkPlan& plan,
-                                       const std::vector<BenchmarkResult>& results, const fs::path& out) {
+                                       const std::vector<BenchmarkResult>& results, const BenchmarkSetup& setup) {
   std::map<std::pair<std::string, std::uint64_t>, const BenchmarkResult*> by_run;
   for (const BenchmarkResult& result : results) by_run[{result.entry, result.seed}] = &result;
   std::map<std::string, std::vector<const BenchmarkRun*>> by_entry;
@@ -112,7 +113,7 @@ std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const Benchma
   for (std::size_t k = 0; k < planned.runs.size(); ++k) {
     for (const BenchmarkRun* run : by_entry[planned.list.entries[k].name]) {
       const auto result = by_run.find({run->entry, run->seed});
-      if (result != by_run.end()) done.push_back(finished(planned.runs[k], *run, *result->second, out));
+      if (result != by_run.end()) done.push_back(finished(planned.runs[k], *run, *result->second, setup));
     }
   }
   return done;

@@ -8,6 +8,7 @@
 
 #include "rastro/cli/benchmark/benchmark_plan.h"
 #include "rastro/cli/benchmark/benchmark_result.h"
+#include "rastro/cli/benchmark/benchmark_run.h"
 #include "rastro/cli/compare/compare_input.h"
 #include "rastro/cli/compare/compare_plan.h"
 #include "rastro/cli/compare/result_table.h"
@@ -66,7 +67,7 @@ struct Comparison {
 
 /// The results in the order of the plan; `plan`: of `planned.list`.
 std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const BenchmarkPlan& plan,
-                                       const std::vector<BenchmarkResult>& results, const std::filesystem::path& out);
+                                       const std::vector<BenchmarkResult>& results, const BenchmarkSetup& setup);
 
 /// The figures of every plain run, and same_bytes_percent of those repeated.
 ResultTable table_of(const std::vector<CompareInput>& inputs, const std::vector<FinishedRun>& runs);

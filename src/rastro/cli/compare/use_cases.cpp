@@ -156,6 +156,16 @@ std::string why_text(const Candidate& best, std::size_t candidates, const std::s
       ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
 }
 
+/// Where the runs of the best method are too short to tell much.
+std::string shortness_text(const Comparison& comparison, const Candidate& best) {
+  constexpr std::int64_t enough_frames = 200;
+  std::int64_t frames = 0;
+  for (const FinishedRun& run : comparison.runs)
+    if (run.what.column == best.column && run.is_plain()) frames += run.result.scores.frames;
+  if (frames == 0 || frames >= enough_frames) return "";
+  return fmt::format(" With {} frames in all this is a first look: more of the recording tells more.", frames);
+}
+
 std::string advice_on(const Comparison& comparison, const std::vector<std::size_t>& inputs, const UseCase& use,
                       const std::vector<PairedDifference>& differences) {
   const std::vector<std::string> columns = columns_of(comparison, use);
@@ -168,7 +178,7 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   std::vector<std::string> names;
   for (const std::size_t input : best.inputs) names.push_back(comparison.inputs[input].name);
   return why_text(best, candidates.size(), fmt::format("{}", fmt::join(names, ", "))) +
-         expectation_text(comparison, best) + next_text(candidates, differences);
+         expectation_text(comparison, best) + next_text(candidates, differences) + shortness_text(comparison, best);
 }
 
 }  // namespace

@@ -55,6 +55,19 @@ std::vector<std::string> series(const std::vector<std::string>& names) {
   return prefixes;
 }
 
+/// Of a name that is a time since 1970: 16 digits or more as EuRoC has them, or seconds with a fraction as TUM has
+/// them.
+std::optional<StampUnit> unit_of_name(const std::string& name) {
+  constexpr std::size_t fewest_ns_digits = 16, fewest_s_digits = 9;
+  const std::string stem = fs::path(name).stem().string();
+  const auto point = stem.find('.');
+  const std::string rest = point == std::string::npos ? stem : stem.substr(0, point) + stem.substr(point + 1);
+  if (!std::all_of(rest.begin(), rest.end(), [](char c) { return c >= '0' && c <= '9'; })) return std::nullopt;
+  if (point == std::string::npos)
+    return stem.size() >= fewest_ns_digits ? std::optional(StampUnit::nanoseconds) : std::nullopt;
+  return point >= fewest_s_digits ? std::optional(StampUnit::seconds) : std::nullopt;
+}
+
 void set_stamps(Recording& recording, const Listing& listing, double wanted_rate_hz) {
   const auto stamps = wanted_rate_hz > 0.0 ? std::nullopt : stamps_from_names(listing.names);
   const double rate_hz = wanted_rate_hz > 0.0 ? wanted_rate_hz : usual_rate_hz;
@@ -62,7 +75,11 @@ void set_stamps(Recording& recording, const Listing& listing, double wanted_rate
     recording.frames[k].stamp = stamps ? (*stamps)[k] : made_up_stamp(static_cast<std::int64_t>(k), rate_hz);
   }
   recording.info.has_stamps = stamps.has_value();
-  if (stamps) recording.info.warnings.push_back("stamps are taken from the file names, as nanoseconds");
+  if (stamps) {
+    const bool seconds = unit_of_name(listing.names.front()) == StampUnit::seconds;
+    recording.info.warnings.push_back(
+        fmt::format("stamps are taken from the file names, as {}", seconds ? "seconds" : "nanoseconds"));
+  }
   if (!stamps && wanted_rate_hz <= 0.0) {
     recording.info.warnings.push_back(
         fmt::format("no stamps; they are made up at {:g} Hz, --rate HZ changes that", rate_hz));
@@ -72,13 +89,12 @@ void set_stamps(Recording& recording, const Listing& listing, double wanted_rate
 }  // namespace
 
 std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names) {
-  constexpr std::size_t fewest_digits = 16;
   std::vector<TimeNs> stamps;
   for (const auto& name : names) {
-    const std::string stem = fs::path(name).stem().string();
-    const bool digits = std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
-    const auto stamp = parse_int64(stem);
-    if (!digits || stem.size() < fewest_digits || !stamp || *stamp > largest_stamp) return std::nullopt;
+    const auto unit = unit_of_name(name);
+    if (!unit || unit != unit_of_name(names.front())) return std::nullopt;
+    const auto stamp = parse_stamp(fs::path(name).stem().string(), *unit);
+    if (!stamp || *stamp > largest_stamp) return std::nullopt;
     if (!stamps.empty() && *stamp <= stamps.back()) return std::nullopt;
     stamps.push_back(*stamp);
   }

@@ -9,7 +9,8 @@
 
 namespace rastro {
 
-/// Stamps from file names that are nanoseconds (16 digits or more) and rise; nullopt where any is not.
+/// Stamps from file names that rise and all are nanoseconds (16 digits or more) or seconds with a fraction
+/// (1305031102.175304.png); nullopt where any is not.
 std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names);
 
 /// A folder of images, a glob ("dir/left*.jpg") or one image, in natural order. nullopt where `path` is nothing of the

@@ -169,7 +169,7 @@ Setting choose_mode(Handle& handle, const V4l2Request& request, bool want_color)
   }
   if (!best) {
     std::string names;
-    for (const std::uint32_t code : offered) names += " " + four_letters(code);
+    for (const std::uint32_t code : offered) names += fmt::format(" {}", four_letters(code));
     throw Error("has no mode that fits; it offers" + (names.empty() ? " nothing" : names), handle.file(),
                 "'rastro devices' lists sizes and rates; YUYV, MJPG and GREY can be read");
   }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <opencv2/videoio.hpp>
 
+#include "rastro/base/log.h"
 #include "rastro/base/text_file.h"
 #include "rastro/dataset/calibration.h"
 #include "rastro/dataset/folder.h"
@@ -45,10 +46,10 @@ class VideoSource final : public Source {
     if (position_ >= choice_.count) return std::nullopt;
     const std::int64_t wanted = choice_.index(position_++);
     while (at_ < wanted) {
-      if (!grab()) return std::nullopt;
+      if (!grab()) return end();
     }
     cv::Mat mat;
-    if (!grab() || !retrieve(mat)) return std::nullopt;
+    if (!grab() || !retrieve(mat)) return end();
     return make_frame(wanted, mat);
   }
 
@@ -94,6 +95,16 @@ class VideoSource final : public Source {
     return stamp_ + made_up_stamp(1, rate_hz_);
   }
 
+  /// A file that was cut off, as by a full disk, still says how long it was; else the count may be an estimate.
+  std::optional<Frame> end() {
+    constexpr double usual_error = 0.1;
+    if (static_cast<double>(at_) < (1.0 - usual_error) * static_cast<double>(info_.frame_count) && !ended_)
+      log_warning(fmt::format("{}: ends after {} frames, and says that it has {}: it may be cut off or damaged",
+                              info_.path, at_, info_.frame_count));
+    ended_ = true;
+    return std::nullopt;
+  }
+
   bool retrieve(cv::Mat& mat) { return video_.retrieve(mat) && !mat.empty(); }
 
   Frame make_frame(std::int64_t index, const cv::Mat& mat) {
@@ -125,6 +136,7 @@ class VideoSource final : public Source {
   std::int64_t at_ = 0;  ///< Number of the next frame that grab() gives.
   TimeNs stamp_ = 0;     ///< Of the frame that it gave last.
   std::int64_t position_ = 0;
+  bool ended_ = false;
 };
 
 }  // namespace

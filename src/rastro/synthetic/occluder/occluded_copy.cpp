@@ -14,6 +14,7 @@
 #include "rastro/base/folder_lock.h"
 #include "rastro/base/log.h"
 #include "rastro/synthetic/occluder/occluder.h"
+#include "rastro/synthetic/recording_files.h"
 
 namespace rastro {
 namespace {
@@ -25,13 +26,6 @@ struct OccludedImage {
   TimeNs stamp = 0;
   GrayImage image, mask;
 };
-
-void make_folder(const fs::path& folder) {
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem)
-    throw Error("the folder cannot be made (" + problem.message() + ")", folder.string(), "choose another --out");
-}
 
 FolderLock prepare_folder(const fs::path& folder, bool overwrite) {
   make_folder(folder);
