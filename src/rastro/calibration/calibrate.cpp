@@ -40,9 +40,9 @@ OneCamera fit_one_camera(const CalibrationInput& input, int camera, LensModel mo
     if (view.camera == camera) views.push_back(&view);
   if (views.size() < fewest_frames)
     throw Error(
-        "the board was found in " + std::to_string(views.size()) + " images", camera == 0 ? "DATA" : "--right",
-        "at least 3 are needed, better 20 or more; where it should be in more, check the number of inner corners of "
-        "--board");
+        "different views of the board: " + std::to_string(views.size()), camera == 0 ? "DATA" : "--right",
+        "at least 3 are needed, better 20 or more: move it between the images; where it should be in more, check the "
+        "number of inner corners of --board");
   const BoardStart start = start_boards(input.board, views, model, input.width, input.height);
   BoardProblem problem{input.board, {start.lens}, {}, std::vector<SE3>(input.frames.size()), {}, {}};
   for (std::size_t i = 0; i < views.size(); ++i) {

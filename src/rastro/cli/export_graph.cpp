@@ -35,18 +35,22 @@ const Map& need_observed_landmarks(const ExportJob& job) {
 
 std::size_t landmark_count(const Map& map) { return map.layer<LandmarkLayer>()->landmarks.size(); }
 
+std::int64_t keyframes_in(const Map& map, int submap) {
+  return std::count_if(map.keyframes.begin(), map.keyframes.end(),
+                       [submap](const Keyframe& each) { return submap < 0 || each.submap == submap; });
+}
+
 /// Writes images/ where the recording of the run is known.
 ColmapNames colmap_names(const ExportJob& job, const Map& map) {
-  const bool given = !job.settings.images.empty();
-  const RecordingOfRun recording = given ? RecordingOfRun{job.settings.images, ""} : recording_of_run(job.input.path);
+  const auto recordings = recordings_of_map(map, job.input.path, job.settings.images);
   const fs::path folder = fs::path(job.settings.out) / "images";
-  if (recording.path.empty()) {
+  if (!any_found(recordings)) {
     log_warning(
         "no images are written, and they are named by frame number: the recording of the run was not found; give it "
         "with --images DATA");
     return {};
   }
-  return write_keyframe_images(map, job.settings.cloud.submap, recording, folder);
+  return write_keyframe_images(map, job.settings.cloud.submap, recordings, folder);
 }
 
 }  // namespace
@@ -75,7 +79,7 @@ ExportFacts export_colmap(const ExportJob& job) {
   const bool text = job.settings.to == "colmap";
   if (text && map.layer<ImageLayer>()) {
     write_colmap(map, job.settings.out, job.settings.cloud.submap);
-    return {{"keyframes", map.keyframes.size()}};
+    return {{"keyframes", keyframes_in(map, job.settings.cloud.submap)}};
   }
   need_observed_landmarks(job);
   const ColmapNames names = colmap_names(job, map);

@@ -27,12 +27,25 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
+/// Whether it has a line that is no comment.
+bool has_poses(const fs::path& file) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);)
+    if (!trim(line).empty() && !line.starts_with('#')) return true;
+  return false;
+}
+
 ExportInput read_run(const fs::path& folder) {
   ExportInput input;
   input.path = folder.string();
   const fs::path map = folder / "map.rastro", poses = folder / "trajectory.txt";
   if (is_file(map)) input.map = load_map(map);
-  if (is_file(poses)) input.trajectory = read_trajectory(poses.string());
+  const bool found_no_pose = input.map && is_file(poses) && !has_poses(poses);  // as where nothing joined the map
+  if (found_no_pose) {
+    input.trajectory = trajectory_of(*input.map);
+  } else if (is_file(poses)) {
+    input.trajectory = read_trajectory(poses.string());
+  }
   if (!input.map && input.trajectory.empty())
     throw Error("has neither map.rastro nor trajectory.txt", input.path, "give a run folder or a map file");
   return input;

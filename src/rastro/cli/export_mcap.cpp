@@ -60,10 +60,12 @@ void use_recorded_camera(const Map& map, const RecordingOfRun& recording, McapRu
   if (!cameras.empty() && cameras.front().camera) run.camera = *cameras.front().camera;
 }
 
-void add_recorded(const Map& map, int submap, const RecordingOfRun& recording, const fs::path& folder, McapRun& run) {
-  for (const auto& [id, name] : write_keyframe_images(map, submap, recording, folder))
+void add_recorded(const Map& map, int submap, const std::vector<MapRecording>& recordings, const fs::path& folder,
+                  McapRun& run) {
+  for (const auto& [id, name] : write_keyframe_images(map, submap, recordings, folder))
     run.images.push_back({map.find(id)->stamp, [file = folder / name] { return jpeg_of(file); }});
-  use_recorded_camera(map, recording, run);
+  for (const MapRecording& part : recordings)
+    if (!part.recording.path.empty()) return use_recorded_camera(map, part.recording, run);
 }
 
 /// Of a map of cameras without images: those of its recording, where that is there or was named.
@@ -71,10 +73,10 @@ void add_images(const ExportJob& job, const fs::path& folder, McapRun& run) {
   const bool named = !job.settings.images.empty();
   if (named && !run.of_camera) throw Error("does not apply to a map without a camera", "--images", "omit it");
   if (!job.input.map || !run.of_camera || run.keyframes.empty() || !run.images.empty()) return;
-  const RecordingOfRun recording = named ? RecordingOfRun{job.settings.images, ""} : recording_of_run(job.input.path);
-  if (recording.path.empty()) return;
+  const auto recordings = recordings_of_map(*job.input.map, job.input.path, job.settings.images);
+  if (!any_found(recordings)) return;
   try {
-    add_recorded(*job.input.map, job.settings.cloud.submap, recording, folder, run);
+    add_recorded(*job.input.map, job.settings.cloud.submap, recordings, folder, run);
   } catch (const Error& error) {
     if (named) throw;
     log_warning(std::string("no images are written: ") + error.what());

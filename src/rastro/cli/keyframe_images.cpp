@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -25,15 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::map<KeyframeId, std::string>;
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
-std::vector<const Keyframe*> keyframes_of(const Map& map, int submap) {
+/// Of a submap (-1: of all), those of one recording.
+std::vector<const Keyframe*> keyframes_of(const Map& map, int submap, const std::set<KeyframeId>& of_recording) {
   std::vector<const Keyframe*> keyframes;
   for (const Keyframe& keyframe : map.keyframes)
-    if (submap < 0 || keyframe.submap == submap) keyframes.push_back(&keyframe);
+    if ((submap < 0 || keyframe.submap == submap) && of_recording.contains(keyframe.id)) keyframes.push_back(&keyframe);
   return keyframes;
 }
 
@@ -76,23 +71,30 @@ void copy_image(const fs::path& from, const fs::path& to) {
   if (code) throw Error("cannot be copied to " + to.string() + " (" + code.message() + ")", from.string(), "");
 }
 
-Names write_files(const Recording& recording, const Map& map, int submap, const fs::path& folder) {
+/// Where the images of a recording go, and what their names begin with: those of several may be named alike.
+struct Target {
+  fs::path folder;
+  std::string prefix;
+};
+
+Names write_files(const Recording& recording, const Map& map, const std::vector<const Keyframe*>& keyframes,
+                  const Target& target) {
   const auto rectification = rectification_of(map, recording.info);
   const FrameFinder finder(recording);
   Names names;
-  for (const Keyframe* keyframe : keyframes_of(map, submap)) {
+  for (const Keyframe* keyframe : keyframes) {
     const RecordedFrame* recorded = finder.find(*keyframe);
     if (!recorded) continue;
     fs::path file = fs::path(recorded->image).filename();
     if (rectification) file.replace_extension(".jpg");
-    std::string name = file.string();
+    std::string name = target.prefix + file.string();
     std::replace(name.begin(), name.end(), ' ', '_');  // ends the name in COLMAP's text
     if (rectification) {
       Frame frame;
       frame.image = remap(read_image(recorded->image).gray.view(), rectification->left);
-      write_whole_file(folder / name, bytes_of(frame));
+      write_whole_file(target.folder / name, bytes_of(frame));
     } else {
-      copy_image(recorded->image, folder / name);
+      copy_image(recorded->image, target.folder / name);
     }
     names[keyframe->id] = std::move(name);
   }
@@ -100,10 +102,11 @@ Names write_files(const Recording& recording, const Map& map, int submap, const 
 }
 
 /// Of a video or a bag, whose images are no files.
-Names write_decoded(Source& source, const Map& map, int submap, const fs::path& folder) {
+Names write_decoded(Source& source, const Map& map, const std::vector<const Keyframe*>& keyframes,
+                    const Target& target) {
   const auto rectification = rectification_of(map, source.info());
   std::map<std::int64_t, const Keyframe*> wanted;
-  for (const Keyframe* keyframe : keyframes_of(map, submap)) wanted[keyframe->frame] = keyframe;
+  for (const Keyframe* keyframe : keyframes) wanted[keyframe->frame] = keyframe;
   Names names;
   while (names.size() < wanted.size()) {
     auto frame = source.next();
@@ -113,14 +116,22 @@ Names write_decoded(Source& source, const Map& map, int submap, const fs::path& 
     if (rectification) frame->image = remap(frame->image.view(), rectification->left), frame->color = {};
     frame->depth = {};
     std::string& name = names[found->second->id];
-    name = fmt::format("{:06}.jpg", frame->index);
-    write_whole_file(folder / name, bytes_of(*frame));
+    name = fmt::format("{}{:06}.jpg", target.prefix, frame->index);
+    write_whole_file(target.folder / name, bytes_of(*frame));
   }
   return names;
 }
 
-/// Formats whose cameras go by a name that --camera takes.
-bool names_its_cameras(const std::string& format) { return format != "images" && format != "video"; }
+Names images_of_recording(const Map& map, const MapRecording& part, const std::vector<const Keyframe*>& keyframes,
+                          const Target& target) {
+  if (part.recording.path.empty() || keyframes.empty()) return {};
+  OpenOptions options;
+  options.camera = part.recording.camera;
+  options.want_color = options.want_right = true;
+  if (const auto indexed = index_recording(part.recording.path, options))
+    return write_files(*indexed, map, keyframes, target);
+  return write_decoded(*open(part.recording.path, options), map, keyframes, target);
+}
 
 }  // namespace
 
@@ -136,43 +147,22 @@ std::optional<StereoRectification> rectification_of(const Map& map, const Source
   return made;
 }
 
-RecordingOfRun recording_of_run(const fs::path& run_or_map) {
-  std::error_code ignored;
-  const fs::path folder = fs::is_directory(run_or_map, ignored) ? run_or_map : run_or_map.parent_path();
-  if (!is_there(folder / "about.json")) return {};
-  const auto about = nlohmann::json::parse(read_text_file((folder / "about.json").string()), nullptr, false);
-  if (!about.is_object() || !about.contains("input")) return {};
-  const auto& input = about["input"];
-  if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return {};
-  RecordingOfRun recording;
-  fs::path path = input["path"].get<std::string>();
-  if (!is_there(path) && path.is_relative()) path = fs::path(about.value("working_folder", "")) / path;
-  if (!is_there(path)) return {};
-  recording.path = path.string();
-  const auto first = nlohmann::json::json_pointer("/cameras/0/name");
-  if (names_its_cameras(input.value("format", "")) && input.contains(first) && input[first].is_string())
-    recording.camera = input[first].get<std::string>();
-  return recording;
-}
-
-Names write_keyframe_images(const Map& map, int submap, const RecordingOfRun& recording, const fs::path& folder) {
+Names write_keyframe_images(const Map& map, int submap, const std::vector<MapRecording>& recordings,
+                            const fs::path& folder) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (code)
     throw Error("the folder cannot be created (" + code.message() + ")", folder.string(), "choose another --out");
-  OpenOptions options;
-  options.camera = recording.camera;
-  options.want_color = options.want_right = true;
   Names names;
-  if (const auto indexed = index_recording(recording.path, options)) {
-    names = write_files(*indexed, map, submap, folder);
-  } else {
-    names = write_decoded(*open(recording.path, options), map, submap, folder);
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const auto keyframes = keyframes_of(map, submap, recordings[k].keyframes);
+    const Target target{folder, k > 0 ? fmt::format("session{}_", k) : ""};
+    const Names written = images_of_recording(map, recordings[k], keyframes, target);
+    if (written.size() < keyframes.size())
+      log_warning(fmt::format("{} lacks the frames of {} of {} keyframes: these have no image", recordings[k].named,
+                              keyframes.size() - written.size(), keyframes.size()));
+    names.insert(written.begin(), written.end());
   }
-  const std::size_t all = keyframes_of(map, submap).size();
-  if (names.size() < all)
-    log_warning(fmt::format("{} lacks the frames of {} of {} keyframes: these have no image", recording.path,
-                            all - names.size(), all));
   return names;
 }
 

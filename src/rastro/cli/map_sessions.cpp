@@ -38,19 +38,31 @@ std::size_t session_at(const Map& map, TimeNs stamp, std::size_t from) {
 
 }  // namespace
 
-std::vector<SessionShare> session_shares(const Map& map) {
-  std::vector<SessionShare> shares(map.sessions.size());
-  if (map.sessions.empty()) return shares;
+std::vector<std::optional<std::size_t>> sessions_of_keyframes(const Map& map) {
+  std::vector<std::optional<std::size_t>> sessions(map.keyframes.size());
+  if (map.sessions.empty()) return sessions;
   const bool by_id = ids_tell(map);
   std::size_t last = 0;
   TimeNs last_stamp = std::numeric_limits<TimeNs>::min();
-  for (const Keyframe& keyframe : map.keyframes) {
-    std::optional<std::size_t> session = session_in_id(map, keyframe);
-    if (!by_id) session = last = session_at(map, keyframe.stamp, keyframe.stamp <= last_stamp ? last + 1 : last);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
+    if (by_id) {
+      sessions[k] = session_in_id(map, keyframe);
+    } else {
+      sessions[k] = last = session_at(map, keyframe.stamp, keyframe.stamp <= last_stamp ? last + 1 : last);
+    }
     last_stamp = keyframe.stamp;
-    if (!session) continue;
-    ++shares[*session].keyframes;
-    shares[*session].submaps.insert(keyframe.submap);
+  }
+  return sessions;
+}
+
+std::vector<SessionShare> session_shares(const Map& map) {
+  std::vector<SessionShare> shares(map.sessions.size());
+  const auto sessions = sessions_of_keyframes(map);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (!sessions[k]) continue;
+    ++shares[*sessions[k]].keyframes;
+    shares[*sessions[k]].submaps.insert(map.keyframes[k].submap);
   }
   return shares;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,8 +17,11 @@ struct SessionShare {
   std::set<int> submaps;  ///< Of these keyframes.
 };
 
-/// In the order of the sessions. Keyframes belong to the session in their id; where a method numbers all of them on, to
-/// the next session as soon as their stamps jump back or leave the span of one.
+/// The session of each keyframe, an index into those of the map: the one in its id, or where a method numbers all
+/// keyframes on, the next as soon as their stamps jump back or leave the span of one. nullopt where there is none.
+std::vector<std::optional<std::size_t>> sessions_of_keyframes(const Map& map);
+
+/// In the order of the sessions.
 std::vector<SessionShare> session_shares(const Map& map);
 
 /// "1000.000 .. 1012.500 s, 14 keyframes in submap 0, of PATH".

@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "rastro/base/append_file.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/cli/describe_map.h"
+#include "rastro/cli/export_input.h"
+#include "rastro/cli/recording_of_run.h"
+#include "rastro/map/file/map_file.h"
 
 namespace rastro::cli {
 namespace {
@@ -91,6 +96,36 @@ TEST(MapSessions, InfoHasOneLineForEach) {
   single.sessions.resize(1);
   report.map = std::make_shared<const Map>(single);
   EXPECT_THAT(describe_map(report, "map.rastro"), Not(HasSubstr("session 0")));
+}
+
+TEST(MapRecordings, EachSessionHasItsOwn) {
+  const std::filesystem::path folder = scratch_folder("sessions");
+  write_whole_file((folder / "first").string(), "");
+  Map map = numbered_on();
+  map.sessions[0].recording = (folder / "first").string();
+  const auto all = recordings_of_map(map, folder.string(), "");
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].recording.path, (folder / "first").string());
+  EXPECT_THAT(all[0].keyframes, ElementsAre(0, 1, 2));
+  EXPECT_EQ(all[2].recording.path, "") << "gone";
+  EXPECT_EQ(all[2].named, "third");
+  EXPECT_THAT(all[2].keyframes, ElementsAre(5));
+  const auto given = recordings_of_map(map, folder.string(), "given");
+  ASSERT_EQ(given.size(), 1U);
+  EXPECT_EQ(given[0].recording.path, "given");
+  EXPECT_EQ(given[0].keyframes.size(), map.keyframes.size());
+}
+
+TEST(ExportInput, ARunThatJoinedNoMapHasThePosesOfTheMap) {
+  const std::filesystem::path folder = scratch_folder("sessions");
+  Map map;
+  map.method = "orb";
+  map.cameras.emplace_back().intrinsics = {64, 48, 50.0, 50.0, 32.0, 24.0};
+  add_keyframe(map, 0, 10, 0);
+  map.frames.push_back({10 * ns_per_second, 0, SE3()});
+  save_map(map, (folder / "map.rastro").string());
+  write_whole_file((folder / "trajectory.txt").string(), "# world_from_body; meters\n");
+  EXPECT_EQ(read_export_input(folder.string()).trajectory.size(), 1U);
 }
 
 }  // namespace

@@ -91,9 +91,8 @@ struct OpenedMap {
 std::shared_ptr<const Map> load_map_with_images(const fs::path& file, const std::string& recording) {
   auto map = load_map(file);
   if (map->layer<ImageLayer>()) return map;
-  RecordingOfRun images = recording_of_run(file);
-  if (!recording.empty()) images.path = recording;
-  if (images.path.empty()) refuse_without_layer(file.string(), ImageLayer::layer_name, "a length");
+  const auto images = recordings_of_map(*map, file, recording);
+  if (!any_found(images)) refuse_without_layer(file.string(), ImageLayer::layer_name, "a length");
   return with_recorded_images(*map, images);
 }
 

@@ -33,29 +33,40 @@ void check_size(const Map& map, const SourceInfo& info) {
     throw Error("its images are not those of the map's camera", info.path, "is it the recording of the map?");
 }
 
-}  // namespace
-
-std::shared_ptr<const Map> with_recorded_images(const Map& map, const RecordingOfRun& recording) {
-  const auto source = open(recording.path, open_options(map, recording));
+/// Adds the images of the keyframes that are of this recording.
+void add_images(const Map& map, const MapRecording& part, MemoryImages& store, ImageLayer& layer) {
+  const std::string& path = part.recording.path;
+  if (path.empty())
+    throw Error(fmt::format("the recording of {} of {} keyframes of the map is gone", part.keyframes.size(),
+                            map.keyframes.size()),
+                part.named, "give it with --images");
+  const auto source = open(path, open_options(map, part.recording));
   check_size(map, source->info());
   const auto rectification = rectification_of(map, source->info());
   std::map<TimeNs, KeyframeId> wanted;
-  for (const Keyframe& keyframe : map.keyframes) wanted[keyframe.stamp] = keyframe.id;
-  auto store = std::make_shared<MemoryImages>();
-  auto layer = std::make_shared<ImageLayer>();
-  while (layer->keyframes.size() < wanted.size()) {
+  for (const KeyframeId id : part.keyframes) wanted[map.find(id)->stamp] = id;
+  std::size_t missing = wanted.size();
+  while (missing > 0) {
     auto frame = source->next();
     if (!frame) break;
     const auto found = wanted.find(frame->stamp);
     if (found == wanted.end()) continue;
     if (rectification) frame->image = remap(frame->image.view(), rectification->left), frame->color = {};
-    store->add(found->second, pack_images(*frame));
-    layer->keyframes.push_back(found->second);
+    store.add(found->second, pack_images(*frame));
+    layer.keyframes.push_back(found->second);
+    --missing;
   }
-  if (layer->keyframes.size() < wanted.size())
-    throw Error(fmt::format("lacks the frames of {} of {} keyframes of the map",
-                            wanted.size() - layer->keyframes.size(), wanted.size()),
-                recording.path, "is it the recording that the map was made of?");
+  if (missing > 0)
+    throw Error(fmt::format("lacks the frames of {} of {} keyframes of the map", missing, wanted.size()), path,
+                "is it the recording that the map was made of?");
+}
+
+}  // namespace
+
+std::shared_ptr<const Map> with_recorded_images(const Map& map, const std::vector<MapRecording>& recordings) {
+  auto store = std::make_shared<MemoryImages>();
+  auto layer = std::make_shared<ImageLayer>();
+  for (const MapRecording& part : recordings) add_images(map, part, *store, *layer);
   std::sort(layer->keyframes.begin(), layer->keyframes.end());
   layer->store = std::move(store);
   auto whole = std::make_shared<Map>(map);

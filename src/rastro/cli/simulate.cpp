@@ -103,6 +103,8 @@ void check_flags(const SimulateFlags& flags) {
     throw Error("this is not a step between frames", "--every", "give 1 to 100000");
   if (flags.selection.first < 0 || flags.selection.first > 10'000'000)
     throw Error("there is no such frame", "--first", "give 0 to 10000000");
+  if (flags.selection.first > 0 && drives)
+    throw Error("a laser log has every scan", "--first", "omit it; 'rastro slam --frames' takes a part");
   if ((flags.selection.first > 0 || flags.selection.every > 1) && flags.format == "carmen")
     throw Error("a laser log has every scan", "--every or --first", "omit it");
   if (flags.world.threads < 0)

@@ -75,6 +75,14 @@ SlamContext context_of(const SlamFlags& flags) {
   return context;
 }
 
+/// "orb, rtabmap, fusion".
+std::string methods_that(bool (SlamMethod::*can)() const) {
+  std::string names;
+  for (const auto& method : slam_methods())
+    if ((method.get()->*can)()) names += (names.empty() ? "" : ", ") + method->name();
+  return names;
+}
+
 std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext& context) {
   if (!context.map) return slam_method(flags.method.empty() ? "auto" : flags.method);
   const std::string& maker = context.map->method;
@@ -83,10 +91,12 @@ std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext
     throw Error(fmt::format("the map was made by '{}'", one_line(maker)), "--method", "omit --method");
   if (flags.extend && !method->can_extend())
     throw Error(fmt::format("the method '{}' cannot continue a map", method->name()), flags.map,
-                "give a map made by 'rastro slam DATA --method orb' or fusion");
+                "give a map made by 'rastro slam DATA --method NAME' with " + methods_that(&SlamMethod::can_extend));
   if (!method->can_localize())
     throw Error(fmt::format("the method '{}' cannot localize in a map", method->name()), flags.map,
-                "give a map made by 'rastro slam DATA --method rgbd', orb or fusion");
+                "give a map made by 'rastro slam DATA --method NAME' with " + methods_that(&SlamMethod::can_localize));
+  if (!context.extend_map && context.map->keyframes.empty())
+    throw Error("has no keyframes: nothing can be found in it", flags.map, "map the place first");
   return method;
 }
 

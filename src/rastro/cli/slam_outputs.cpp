@@ -189,7 +189,8 @@ std::string scale_line(const SlamResult& result) {
 std::string time_line(const SlamResult& result) {
   std::string text = fmt::format("  time         {:.2f} ms per frame, 95 % within {:.2f} ms",
                                  result.timing.frames.mean_ms(), result.timing.frames.percentile_ms(0.95));
-  if (const auto times = result.timing.times_real_time()) text += fmt::format(", {:.0f} times real time", *times);
+  if (const auto times = result.timing.times_real_time())
+    text += fmt::format(", {:.{}f} times real time", *times, *times < 10.0 ? 1 : 0);
   return text + fmt::format("; memory {:.0f} MB\n", result.memory.peak_mb);
 }
 

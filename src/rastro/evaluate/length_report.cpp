@@ -168,7 +168,10 @@ std::vector<LengthSummary> summarize_lengths(const std::vector<MapOfLengths>& ma
 std::string lengths_as_text(const std::vector<MapOfLengths>& maps) {
   const std::size_t width = name_width(maps);
   std::string text;
-  for (const MapOfLengths& map : maps) text += (text.empty() ? "" : "\n") + text_of(map, width);
+  for (const MapOfLengths& map : maps) {
+    if (!text.empty()) text += '\n';
+    text += text_of(map, width);
+  }
   if (maps.size() > 1) text += text_of(summarize_lengths(maps), width);
   return text;
 }

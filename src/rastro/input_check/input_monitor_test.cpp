@@ -106,6 +106,37 @@ TEST(InputMonitor, TellsAStuckLaserOnlyWhileTheWheelsMove) {
             "");
 }
 
+TEST(InputMonitor, TellsOdometryThatStaysWhileTheScansMove) {
+  const std::vector<Frame> drive = laser_drive();
+  const auto freeze = [&](Frame& frame, int from, int to) {
+    if (frame.index >= from && frame.index < to)
+      frame.odometry_from_body = drive[static_cast<std::size_t>(from)].odometry_from_body;
+  };
+  EXPECT_EQ(told({}, drive, [&](Frame& frame) { freeze(frame, 50, 90); }), "odometry_stuck");
+  EXPECT_EQ(told({}, drive, [&](Frame& frame) { freeze(frame, 50, 60); }), "") << "a second";
+  EXPECT_EQ(told({}, drive,
+                 [&](Frame& frame) {  // at rest
+                   freeze(frame, 50, 90);
+                   if (frame.index >= 50 && frame.index < 90) frame.scan = drive[frame.index % 2 ? 50U : 51U].scan;
+                 }),
+            "");
+}
+
+TEST(InputMonitor, TellsUnitsThatAreNotMeters) {
+  EXPECT_EQ(told({}, laser_drive(),
+                 [](Frame& frame) {
+                   for (float& range : frame.scan->ranges) range *= 1000.0F;
+                   frame.scan->max_range *= 1000.0;
+                 }),
+            "laser_unit");
+  EXPECT_EQ(told({}, laser_drive(),
+                 [](Frame& frame) {
+                   const SE2& pose = *frame.odometry_from_body;
+                   frame.odometry_from_body = SE2(pose.rotation(), 100.0 * pose.translation());
+                 }),
+            "odometry_unit");
+}
+
 // Cameras.
 
 struct Recorded {

@@ -125,8 +125,17 @@ class Runner {
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
     watch.lap_ms();
+    name_recording();
     run_.map_file->finish(*end_.map);
     add_time("map_file", watch.lap_ms());
+  }
+
+  /// Methods do not know where their frames come from.
+  void name_recording() {
+    if (end_.map->sessions.empty() || !end_.map->sessions.back().recording.empty()) return;
+    auto named = std::make_shared<Map>(*end_.map);
+    named->sessions.back().recording = run_.source->info().path;
+    end_.map = std::move(named);
   }
 
   void count(const SlamUpdate& update) {

@@ -66,7 +66,7 @@ std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& 
   auto map = load_map(file);
   if (map->keyframes.empty() || map->cameras.empty() || map->cameras.front().kind == CameraKind::none) return nullptr;
   if (!images_of(*map) && !has_objects && map->cameras.front().kind != CameraKind::depth) return nullptr;
-  if (!images_of(*map)) map = with_recorded_images(*map, {recording.string(), ""});
+  if (!images_of(*map)) map = with_recorded_images(*map, recordings_of_map(*map, file, recording.string()));
   if (scale_of(*map).metric) return map;
   try {
     const Trajectory ground_truth = poses_of_camera(read_reference(recording.string(), {}));

@@ -2,6 +2,7 @@
 #include "rastro/dataset/landmark_log/open_landmark_log.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -23,7 +24,8 @@ class LandmarkSource final : public Source {
   LandmarkSource(SourceInfo info, const LandmarkLog& log, const OpenOptions& options)
       : info_(std::move(info)), frames_(landmark_frames(log)) {
     if (!options.camera.empty()) throw Error("a landmark log has no cameras", "--camera", "omit it");
-    if (frames_.empty()) throw Error("has no landmark observations", info_.path, "");
+    if (frames_.empty())
+      throw Error("has no landmark observations", info_.path, fmt::to_string(fmt::join(log.warnings, "; ")));
     info_.has_image = false;
     info_.has_landmarks = true;
     info_.has_odometry = !log.velocities.empty();

@@ -50,6 +50,10 @@ class HectorSlam::State {
   void follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
   void start(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
   void judge(const FollowedScan& followed, SlamUpdate& update);
+  void bridge_gap(const Frame& frame, const ScanGuess& guess, FollowedScan& followed, SlamUpdate& update);
+  void begin_submap_after_gap(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
+                              SlamUpdate& update);
+  void keep_in_submaps(const Eigen::Matrix3d& in_local);
   void carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail);
   void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
   Eigen::Matrix3d with_unseen_path(const FollowedScan& followed) const;
@@ -126,16 +130,21 @@ void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUp
 void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
   Stopwatch stage;
   const ScanGuess guess = guess_.guess(frame.stamp, frame.odometry_from_body);
-  const FollowedScan followed = follower_.follow(*open_submap(), scan.points, guess);
+  FollowedScan followed = follower_.follow(*open_submap(), scan.points, guess);
   update.times.push_back({"match", stage.lap_ms()});
   judge(followed, update);
+  if (followed.fits) bridge_gap(frame, guess, followed, update);
   const double path_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
   path_m_ += path_m;
   if (!followed.unseen_direction && unseen_path_m_ > 0.0) keep_slip();
   unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + path_m : 0.0;
   if (followed.unseen_direction) slip_ = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
   settle(frame, followed.local_from_body, update);
-  if (followed.fits && maps_) extend_map(frame, scan, followed, update);
+  if (followed.fits && maps_ && update.reason == SlamReason::gap && options_.loop_closing) {
+    begin_submap_after_gap(frame, scan, followed, update);
+  } else if (followed.fits && maps_) {
+    extend_map(frame, scan, followed, update);
+  }
   update.times.push_back({"map", stage.lap_ms()});
   close_loops(update);
   update.times.push_back({"loops", stage.lap_ms()});
@@ -181,6 +190,40 @@ void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, S
   update.world_from_body = in_space(graph_.world_from_local() * local_from_body);
 }
 
+/// After missing scans the surroundings are mostly new: they fit, but what carried the pose there is the guess.
+void HectorSlam::State::bridge_gap(const Frame& frame, const ScanGuess& guess, FollowedScan& followed,
+                                   SlamUpdate& update) {
+  constexpr double known_place = 0.75;  // the score where most of a scan was mapped before
+  const double gap_s = guess_.gap_s(frame.stamp);
+  if (gap_s == 0.0 || followed.score >= known_place) return;
+  // Odometry gathers errors on the whole way, of which only the ends are known.
+  constexpr double drift_m_per_s = 0.05, drift_rad_per_s = 0.005;
+  const double sigma_m = std::max(guess.sigma_m, drift_m_per_s * gap_s);
+  const Eigen::Vector3d sigma(sigma_m, sigma_m, std::max(guess.sigma_rad, drift_rad_per_s * gap_s));
+  const Eigen::Matrix3d unknown = sigma.cwiseAbs2().asDiagonal();
+  followed.covariance += unknown;
+  if (!options_.loop_closing) keep_in_submaps(unknown);
+  update.covariance = covariance_of(followed.local_from_body, followed.covariance);
+  update.state = SlamState::weak;
+  update.reason = SlamReason::gap;
+  update.detail = fmt::format("no scan for {:.1f} s, and little of this one was mapped before", gap_s);
+}
+
+/// What comes is rigid in itself, but not with what was mapped before: loop closures may move it.
+void HectorSlam::State::begin_submap_after_gap(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
+                                               SlamUpdate& update) {
+  for (const auto& submap : graph_.submaps())
+    if (!submap->finished()) submap->finish();
+  const std::size_t submap = graph_.add_submap(followed.local_from_body);
+  uncertainty_.set(static_cast<std::int64_t>(submap), in_space(graph_.world_from_submap(submap)).translation(),
+                   *update.covariance);
+  KeyScan key_scan{frame.index, frame.stamp, scan, followed.local_from_body, path_m_};
+  key_scan.gap_sigma = followed.covariance.diagonal().cwiseSqrt();
+  scans_.back().key_scan = graph_.add_key_scan(std::move(key_scan), Eigen::Matrix3d::Zero());
+  ++revision_;
+  update.events.push_back({"submap", fmt::format("{} started after missing scans", submap)});
+}
+
 /// Along an unobservable direction odometry errors accumulate: wheel slip is the same in each scan.
 Eigen::Matrix3d HectorSlam::State::with_unseen_path(const FollowedScan& followed) const {
   Eigen::Matrix3d covariance = followed.covariance;
@@ -191,8 +234,15 @@ Eigen::Matrix3d HectorSlam::State::with_unseen_path(const FollowedScan& followed
 /// What was not seen while the scans were inserted stays in the submaps that they are in.
 void HectorSlam::State::keep_slip() {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  const Eigen::Vector2d slip = graph_.world_from_local().rotation() * slip_;
-  covariance.topLeftCorner<2, 2>() = slip * slip.transpose();
+  covariance.topLeftCorner<2, 2>() = slip_ * slip_.transpose();
+  keep_in_submaps(covariance);
+}
+
+/// Of (x, y, angle) in local axes, for all that is in the unfinished submaps.
+void HectorSlam::State::keep_in_submaps(const Eigen::Matrix3d& in_local) {
+  Eigen::Matrix3d covariance = in_local;
+  const Eigen::Matrix2d turn = graph_.world_from_local().rotation().matrix();
+  covariance.topLeftCorner<2, 2>() = turn * in_local.topLeftCorner<2, 2>() * turn.transpose();
   for (std::size_t s = 0; s < graph_.submaps().size(); ++s) {
     if (graph_.submaps()[s]->finished()) continue;
     const Eigen::Vector3d position = in_space(graph_.world_from_submap(s)).translation();

@@ -192,6 +192,19 @@ TEST(HectorSlam, TakesScansInTheirOrderWhenStampsGoBack) {
   }
 }
 
+TEST(HectorSlam, AfterMissingScansANewSubmapBeginsWhosePoseIsUncertain) {
+  const WalledDrive drive = ring_drive();
+  std::vector<Frame> frames = drive.frames();
+  frames.erase(frames.begin() + 40, frames.begin() + 75);
+  const Driven done = run(frames, HectorOptions());
+  const SlamUpdate &before = done.updates[39], &after = done.updates[40];
+  ASSERT_EQ(after.reason, SlamReason::gap) << after.detail;
+  EXPECT_EQ(after.state, SlamState::weak);
+  EXPECT_GT((*after.covariance)(0, 0), 10.0 * (*before.covariance)(0, 0));
+  EXPECT_THAT(after.events,
+              ::testing::Contains(::testing::Field(&SlamEvent::detail, ::testing::HasSubstr("missing scans"))));
+}
+
 TEST(HectorSlam, ARepeatedStampIsReportedAndSkipped) {
   const WalledDrive drive = room_drive(12);
   std::vector<Frame> frames = drive.frames();

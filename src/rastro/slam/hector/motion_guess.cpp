@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace rastro {
@@ -15,6 +16,17 @@ constexpr double most_scans_ahead = 5.0;
 /// The motion over a longer gap is unknown; the map must not grow because of a guess.
 constexpr double longest_gap_s = 5.0;
 constexpr std::size_t periods_kept = 15;
+/// Stamps of logs are irregular: a step may have taken longer than they say.
+constexpr double longer_step = 1.5;
+/// Odometry that stays the same to the last bit while this many scans moved is frozen.
+constexpr int frozen_scans = 10;
+constexpr double clear_step_m = 0.02, clear_step_rad = 0.02;
+/// After this many jumps, each made up for by 20 plausible steps, odometry is used no more: its unit is wrong.
+constexpr double most_distrust = 10.0, trust_of_step = 0.05;
+
+bool same_pose(const SE2& a, const SE2& b) {
+  return a.translation() == b.translation() && a.rotation().angle() == b.rotation().angle();
+}
 
 double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 
@@ -24,25 +36,51 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   jumped_ = false;
   if (options_.guess == "none") return {last_, 0.2, 0.2, false};
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
+  // Its first step after that is of the whole time, which the scans have followed.
+  if (unmoved_ >= frozen_scans) return from_speed(stamp);
   const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
   const double distance_m = moved.translation().norm(), angle = std::abs(moved.rotation().angle());
-  if (!(distance_m <=
-        options_.max_speed_m_per_s * std::clamp(seconds_between(last_stamp_, stamp), 1.0, longest_gap_s)) ||
-      !std::isfinite(angle)) {
+  if (jumps(distance_m, stamp) || !std::isfinite(angle) || distrust_ >= most_distrust) {
     jumped_ = true;
+    distrust_ += 1.0;
     return from_speed(stamp);
   }
+  if (distance_m > 0.0) distrust_ = std::max(0.0, distrust_ - trust_of_step);
   return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * distance_m,
           least_sigma_rad + options_.odometry_yaw_sigma_share * angle, true};
+}
+
+/// Faster than a vehicle drives. While the period of the scans is unknown, within a second; the mean one, since stamps
+/// may be of whole seconds.
+bool MotionGuess::jumps(double distance_m, TimeNs stamp) const {
+  constexpr std::size_t fewest_periods = 3;
+  const double mean_s = std::accumulate(periods_.begin(), periods_.end(), 0.0) /
+                        static_cast<double>(std::max<std::size_t>(1, periods_.size()));
+  const double shortest = periods_.size() < fewest_periods ? 1.0 : std::clamp(longer_step * mean_s, 0.05, 1.0);
+  const double seconds = std::clamp(seconds_between(last_stamp_, stamp), shortest, longest_gap_s);
+  return !(distance_m <= options_.max_speed_m_per_s * seconds);
+}
+
+/// Median of the last ones.
+double MotionGuess::period_s() const {
+  std::vector<double> sorted(periods_.begin(), periods_.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return std::max(1e-3, *middle);
 }
 
 /// Scanners rotate evenly, but the stamps of some logs are irregular, so time is counted in scans.
 double MotionGuess::scans_since_last(TimeNs stamp) const {
   if (periods_.size() < periods_kept) return 1.0;
-  std::vector<double> sorted(periods_.begin(), periods_.end());
-  std::nth_element(sorted.begin(), sorted.begin() + periods_kept / 2, sorted.end());
-  const double scans = seconds_between(last_stamp_, stamp) / std::max(1e-3, sorted[periods_kept / 2]);
+  const double scans = seconds_between(last_stamp_, stamp) / period_s();
   return scans < 3.0 ? 1.0 : std::min(scans, most_scans_ahead);
+}
+
+double MotionGuess::gap_s(TimeNs stamp) const {
+  constexpr double shortest_s = 1.0, shortest_periods = 10.0;
+  if (periods_.size() < periods_kept) return 0.0;
+  const double seconds = seconds_between(last_stamp_, stamp);
+  return seconds > shortest_s && seconds > shortest_periods * period_s() ? seconds : 0.0;
 }
 
 ScanGuess MotionGuess::from_speed(TimeNs stamp) const {
@@ -51,11 +89,21 @@ ScanGuess MotionGuess::from_speed(TimeNs stamp) const {
   return {last_ * moved, 0.05 + 0.5 * step.head<2>().norm(), 0.05 + 0.5 * std::abs(step.z()), true};
 }
 
+void MotionGuess::watch_odometry(const SE2& odometry_from_body, const SE2& moved) {
+  if (!last_odometry_ || !same_pose(*last_odometry_, odometry_from_body)) {
+    unmoved_ = 0;
+  } else if (moved.translation().norm() > clear_step_m || std::abs(moved.rotation().angle()) > clear_step_rad) {
+    ++unmoved_;
+  }
+}
+
 void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body) {
   if (started_) {
     const SE2 moved = last_.inverse() * local_from_body;
+    if (odometry_from_body) watch_odometry(*odometry_from_body, moved);
     step_ << moved.translation(), moved.rotation().angle();
     step_ /= scans_since_last(stamp);
+    if (jumps(moved.translation().norm(), stamp)) step_.setZero();
     periods_.push_back(seconds_between(last_stamp_, stamp));
     if (periods_.size() > periods_kept) periods_.pop_front();
   }

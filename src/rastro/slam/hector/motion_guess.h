@@ -21,11 +21,16 @@ class MotionGuess {
   /// Whether the last guess discarded its odometry because no vehicle moves like that.
   bool odometry_jumped() const { return jumped_; }
   void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
+  /// Seconds without scans before this one; 0 unless they are many periods.
+  double gap_s(TimeNs stamp) const;
   const SE2& last() const { return last_; }
 
  private:
   ScanGuess from_speed(TimeNs stamp) const;
+  double period_s() const;
   double scans_since_last(TimeNs stamp) const;
+  bool jumps(double distance_m, TimeNs stamp) const;
+  void watch_odometry(const SE2& odometry_from_body, const SE2& moved);
 
   const HectorOptions& options_;
   SE2 last_;
@@ -33,6 +38,8 @@ class MotionGuess {
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, meters and radians.
   TimeNs last_stamp_ = 0;
   std::deque<double> periods_;  ///< Seconds between the last scans.
+  int unmoved_ = 0;             ///< Scans that moved while the odometry stayed the same to the last bit.
+  double distrust_ = 0.0;       ///< Jumps of odometry, less what it moved plausibly.
   bool started_ = false, jumped_ = false;
 };
 

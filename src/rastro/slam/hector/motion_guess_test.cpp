@@ -150,5 +150,67 @@ TEST(MotionGuess, FasterThanAllowedIsAJump) {
   EXPECT_FALSE(guess.odometry_jumped()) << "two seconds";
 }
 
+/// After 20 scans of 0.05 m each, with odometry that agrees.
+MotionGuess with_odometry(const HectorOptions& options) {
+  MotionGuess guess(options);
+  for (int k = 0; k < 20; ++k) {
+    const SE2 pose = pose_of(0.05 * k, 0.0, 0.0);
+    guess.guess(k * period, pose);
+    guess.settle(k * period, pose, pose);
+  }
+  return guess;
+}
+
+TEST(MotionGuess, OnceThePeriodIsKnownAJumpIsJudgedByIt) {
+  const HectorOptions options;
+  MotionGuess guess = with_odometry(options);
+  const SE2 ahead = guess.guess(20 * period, pose_of(3.0, 0.0, 0.0)).local_from_body;
+  EXPECT_TRUE(guess.odometry_jumped()) << "2 m in 0.1 s";
+  EXPECT_LT(distance(ahead, pose_of(1.0, 0.0, 0.0)), 1e-9) << "the usual step instead";
+  guess.guess(20 * period, pose_of(2.4, 0.0, 0.0));
+  EXPECT_FALSE(guess.odometry_jumped()) << "a step and a half may have passed";
+}
+
+TEST(MotionGuess, OdometryThatStaysWhileScansMoveIsNotBelieved) {
+  const HectorOptions options;
+  MotionGuess guess = with_odometry(options);
+  const SE2 frozen = pose_of(0.95, 0.0, 0.0);
+  int k = 20;
+  for (; k < 40; ++k) {
+    const double x = guess.guess(k * period, frozen).local_from_body.translation().x();
+    EXPECT_NEAR(x, k <= 30 ? 0.05 * (k - 1) : 0.05 * k, 1e-9) << k;
+    guess.settle(k * period, frozen, pose_of(0.05 * k, 0.0, 0.0));
+  }
+  // Its first step is of the whole time.
+  EXPECT_NEAR(guess.guess(k * period, pose_of(2.0, 0.0, 0.0)).local_from_body.translation().x(), 0.05 * k, 1e-9);
+  guess.settle(k * period, pose_of(2.0, 0.0, 0.0), pose_of(0.05 * k, 0.0, 0.0));
+  const SE2 believed = guess.guess((k + 1) * period, pose_of(2.1, 0.0, 0.0)).local_from_body;
+  EXPECT_NEAR(believed.translation().x(), 0.05 * k + 0.1, 1e-9);
+}
+
+TEST(MotionGuess, OdometryOfAnotherUnitIsGivenUp) {
+  const HectorOptions options;
+  MotionGuess guess = with_odometry(options);
+  SE2 odometry = pose_of(0.95, 0.0, 0.0);
+  for (int k = 20; k < 40; ++k) {
+    odometry = odometry * pose_of(50.0, 0.0, 0.0);
+    guess.guess(k * period, odometry);
+    EXPECT_TRUE(guess.odometry_jumped());
+    guess.settle(k * period, odometry, pose_of(0.05 * k, 0.0, 0.0));
+  }
+  EXPECT_LT(
+      distance(guess.guess(40 * period, odometry * pose_of(0.6, 0.0, 0.0)).local_from_body, pose_of(2.0, 0.0, 0.0)),
+      1e-9)
+      << "a plausible step by chance";
+}
+
+TEST(MotionGuess, ManyPeriodsWithoutAScanAreAGap) {
+  const HectorOptions options;
+  const MotionGuess guess = with_odometry(options);
+  EXPECT_EQ(guess.gap_s(20 * period), 0.0);
+  EXPECT_EQ(guess.gap_s(27 * period), 0.0);
+  EXPECT_NEAR(guess.gap_s(49 * period), 3.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -95,6 +95,7 @@ void SubmapGraph::constrain_to_last(std::size_t key_scan) {
     const Eigen::Vector2d along = slip_share * last_from_body.translation().norm() * *last.unseen_direction;
     covariance.topLeftCorner<2, 2>() = along * along.transpose();
   }
+  covariance.diagonal() += scan.gap_sigma.cwiseAbs2();
   constraints_.push_back(edge_between(pose_of_key_scan_[key_scan - 1], pose_of_key_scan_[key_scan], last_from_body,
                                       information_of(covariance, least_sigma_m, least_sigma_rad),
                                       ConstraintKind::odometry));

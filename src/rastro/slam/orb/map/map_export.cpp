@@ -91,6 +91,21 @@ void add_frames(const MapGraph& graph, const FrameTrajectory& trajectory, int la
   }
 }
 
+/// Those of the given map and this one, which has the unit of its sensor or of the given map.
+void add_sessions(const FrameTrajectory& trajectory, const std::optional<GivenMap>& given, Map& map) {
+  if (given) map.sessions = given->sessions;
+  MapSession now;
+  now.scale = given ? given->scale : scale_of(map.cameras.front().kind);
+  if (!map.sessions.empty()) {
+    now.session = map.sessions.back().session + 1;
+    if (trajectory.frames().empty()) return;
+    now.first_stamp = trajectory.frames().front().stamp, now.last_stamp = trajectory.frames().back().stamp;
+  } else if (!map.frames.empty()) {
+    now.first_stamp = map.frames.front().stamp, now.last_stamp = map.frames.back().stamp;
+  }
+  map.sessions.push_back(now);
+}
+
 }  // namespace
 
 std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& trajectory,
@@ -106,9 +121,7 @@ std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& 
   map->constraints = graph.constraints();
   if (given) add_frames(graph, given->trajectory, largest, *map);
   add_frames(graph, trajectory, largest, *map);
-  const TimeNs first = map->frames.empty() ? 0 : map->frames.front().stamp;
-  const TimeNs last = map->frames.empty() ? 0 : map->frames.back().stamp;
-  map->sessions.push_back({0, 0, "", first, last, given ? given->scale : scale_of(graph.sensor())});
+  add_sessions(trajectory, given, *map);
   return map;
 }
 
@@ -124,7 +137,7 @@ GivenMap restore(const Map& given, double baseline, MapGraph& graph) {
   for (const Keyframe& keyframe : map.keyframes) graph.set_parent(keyframe.id, keyframe.parent);
   for (const Landmark& landmark : map.layer<LandmarkLayer>()->landmarks) graph.restore_landmark(landmark);
   graph.constraints() = map.constraints;
-  GivenMap restored{scale_of(map), {}};
+  GivenMap restored{scale_of(map), {}, map.sessions};
   for (std::size_t k = 0; k < map.frames.size(); ++k)
     restored.trajectory.add({static_cast<std::int64_t>(k),
                              map.frames[k].stamp,

@@ -14,7 +14,8 @@ namespace rastro {
 /// What a map that is continued had besides its graph.
 struct GivenMap {
   MapScale scale;
-  FrameTrajectory trajectory;  ///< Frames of earlier runs.
+  FrameTrajectory trajectory;             ///< Frames of earlier runs.
+  std::vector<MapSession> sessions = {};  ///< These runs.
 };
 
 /// Exports the map of a method of that name. The submap with most frames is renumbered to 0, but that of a given map
