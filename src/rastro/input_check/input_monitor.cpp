@@ -10,6 +10,7 @@
 #include "rastro/input_check/depth_scale_check.h"
 #include "rastro/input_check/focal_check.h"
 #include "rastro/input_check/laser_check.h"
+#include "rastro/input_check/odometry_check.h"
 #include "rastro/input_check/stamp_check.h"
 #include "rastro/input_check/stereo_check.h"
 #include "rastro/input_check/tracked_window.h"
@@ -27,6 +28,7 @@ struct InputMonitor::Checks {
   void look(const Frame& frame, InputWarnings& found) {
     stamps.add(frame, found);
     laser.add(frame, found);
+    odometry.add(frame, found);
     stereo.add(frame, found);
     depth.add(frame, found);
     depth_scale.add(frame, found);
@@ -49,6 +51,7 @@ struct InputMonitor::Checks {
 
   StampCheck stamps;
   LaserCheck laser;
+  OdometryCheck odometry;
   StereoCheck stereo;
   DepthCheck depth;
   DepthScaleCheck depth_scale;

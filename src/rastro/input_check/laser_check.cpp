@@ -54,11 +54,7 @@ void LaserCheck::add(const Frame& frame, InputWarnings& found) {
   if (!frame.scan) return;
   check_unit(frame, found);
   if (!frame.odometry_from_body) return;
-  check_speed(frame, found);
   check_stuck(frame, found);
-  check_frozen(frame, found);
-  last_odometry_ = frame.odometry_from_body;
-  last_stamp_ = frame.stamp;
   if (repeats_ > 0) return;
   compare_motion(frame);
   judge(found);
@@ -80,51 +76,6 @@ void LaserCheck::check_unit(const Frame& frame, InputWarnings& found) {
   found.push_back({"laser_unit", fmt::format("half of the ranges are beyond {:.0f}: meters are expected; are they in "
                                              "millimeters or centimeters?",
                                              middle)});
-}
-
-void LaserCheck::check_speed(const Frame& frame, InputWarnings& found) {
-  constexpr std::size_t enough_steps = 40;
-  constexpr double fastest_m_per_s = 40.0;
-  if (!last_odometry_ || frame.stamp <= last_stamp_ || speeds_.size() >= enough_steps) return;
-  const double meters = (last_odometry_->inverse() * *frame.odometry_from_body).translation().norm();
-  if (!(meters > 0.0)) return;
-  speeds_.push_back(meters / (1e-9 * static_cast<double>(frame.stamp - last_stamp_)));
-  if (speeds_.size() < enough_steps) return;
-  const double usual = upper_median(speeds_);
-  if (!(usual > fastest_m_per_s)) return;
-  found.push_back({"odometry_unit", fmt::format("odometry moves at {:.0f} m/s: is it in millimeters or centimeters, or "
-                                                "are the stamps in another unit?",
-                                                usual)});
-}
-
-/// While the odometry stays the same to the last bit, every fifth scan is compared with the one where that began.
-void LaserCheck::check_frozen(const Frame& frame, InputWarnings& found) {
-  constexpr int step = 5;
-  constexpr int most_compared = 200;
-  constexpr double reach_m = 1.5, reach_rad = 0.6, clear_motion_m = 0.3, clear_motion_rad = 0.25, shortest_s = 1.5;
-  if (frozen_) return;
-  const bool still = last_odometry_ && last_odometry_->translation() == frame.odometry_from_body->translation() &&
-                     last_odometry_->rotation().angle() == frame.odometry_from_body->rotation().angle();
-  still_frames_ = still ? still_frames_ + 1 : 0;
-  if (still_frames_ == 2) {
-    still_scan_.emplace(*frame.scan);
-    still_since_ = frame.stamp, first_still_ = frame.index, still_moved_ = 0;
-  }
-  if (still_frames_ <= 2 || still_frames_ % step != 0 || still_frames_ > most_compared || !still_scan_) return;
-  const auto fit = still_scan_->match(*frame.scan, reach_m, reach_rad);
-  if (!fit) return;
-  const Eigen::Vector2d moved = fit->first_from_second.translation();
-  const double meters = moved.norm(), radians = std::abs(fit->first_from_second.rotation().angle());
-  const bool seen = moved.dot(fit->observed * moved) >= least_observed * meters * meters;
-  const bool clear = (meters >= clear_motion_m && seen) || radians >= clear_motion_rad;
-  still_moved_ = clear ? still_moved_ + 1 : 0;
-  const double seconds = 1e-9 * static_cast<double>(frame.stamp - still_since_);
-  if (still_moved_ < 2 || seconds < shortest_s) return;
-  frozen_ = true;
-  found.push_back({"odometry_stuck",
-                   fmt::format("odometry has not changed since frame {}, in {:.1f} s, while the scans moved {:.2f} m "
-                               "and {:.0f} deg: are its messages missing?",
-                               first_still_, seconds, meters, radians * 180.0 / std::numbers::pi)});
 }
 
 void LaserCheck::check_stuck(const Frame& frame, InputWarnings& found) {

@@ -13,8 +13,8 @@
 
 namespace rastro {
 
-/// Checks laser scans against wheel odometry: is the scan stuck while the wheels move, or the odometry while the scans
-/// do, and does the motion between scans have the direction and length of the odometry's? Are both in meters?
+/// Checks laser scans against wheel odometry: is the scan stuck while the wheels move, and does the motion between
+/// scans have the direction and length of the odometry's? Without odometry only their unit is checked.
 class LaserCheck {
  public:
   /// Adds what is sure since this frame to `found`, each kind once.
@@ -35,9 +35,7 @@ class LaserCheck {
   };
 
   void check_unit(const Frame& frame, InputWarnings& found);
-  void check_speed(const Frame& frame, InputWarnings& found);
   void check_stuck(const Frame& frame, InputWarnings& found);
-  void check_frozen(const Frame& frame, InputWarnings& found);
   void compare_motion(const Frame& frame);
   void count(const SE2& by_odometry, const ScanMotionFit& by_scans);
   void judge(InputWarnings& found);
@@ -49,13 +47,7 @@ class LaserCheck {
   std::int64_t repeats_ = 0, first_repeated_ = 0;
   bool stuck_ = false, direction_wrong_ = false, scale_wrong_ = false;
   int scans_too_far_ = 0;
-  std::vector<double> speeds_;  ///< By odometry, m/s, of the first steps that moved.
-  std::optional<SE2> last_odometry_;
-  TimeNs last_stamp_ = 0, still_since_ = 0;
-  std::optional<ScanMotion> still_scan_;    ///< Soon after the odometry moved last.
-  int still_frames_ = 0, still_moved_ = 0;  ///< Scans since then, and comparisons in a row that moved clearly.
-  std::int64_t first_still_ = 0;
-  bool unit_wrong_ = false, frozen_ = false;
+  bool unit_wrong_ = false;
   std::optional<Reference> reference_;
   Tally yaw_, forward_;
   std::vector<double> ratios_;  ///< Length by the scans / by odometry, along odometry's direction.
