@@ -85,6 +85,21 @@ TEST(MapExport, ContainsAllOfTheGraph) {
   EXPECT_EQ(map_of(empty_graph(), {}, std::nullopt)->sessions[0].last_stamp, 0);
 }
 
+TEST(MapExport, AContinuedMapKeepsItsSessions) {
+  ExportBench bench;
+  bench.track(1, 150, 0, SE3());
+  bench.track(2, 250, 1, SE3());
+  GivenMap given{MapScale{true, 0.5, "a known length"}, {}, {MapSession{0, 0, "first", 100, 300, {}}}};
+  const auto map = map_of(bench.graph, bench.recorded, given);
+  ASSERT_EQ(map->sessions.size(), 2U);
+  EXPECT_EQ(map->sessions[0].recording, "first");
+  EXPECT_EQ(map->sessions[1].session, 1);
+  EXPECT_EQ(map->sessions[1].first_stamp, 150);
+  EXPECT_EQ(map->sessions[1].last_stamp, 250);
+  EXPECT_EQ(map->sessions[1].scale.origin, "a known length");
+  EXPECT_EQ(map_of(bench.graph, {}, given)->sessions.size(), 1U) << "a run without a pose";
+}
+
 TEST(MapExport, TheScaleIsThatOfTheSensorUnlessOneIsGiven) {
   const auto exported = [](CameraKind sensor, const std::optional<MapScale>& scale) {
     return map_of(empty_graph(sensor), {}, scale ? std::optional(GivenMap{*scale, {}}) : std::nullopt);
