@@ -4,8 +4,12 @@
 namespace rastro {
 
 ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_from_keyframe) const {
+  return track(image, image_from_keyframe, options_->levels - 1);
+}
+
+ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_from_keyframe, int coarsest_level) const {
   ImageAlignmentOptions options;
-  options.coarsest_level = options_->levels - 1;
+  options.coarsest_level = coarsest_level;
   options.min_overlap = options_->min_overlap;
   return align_image(*reference_, image, image_from_keyframe, options, pool_);
 }

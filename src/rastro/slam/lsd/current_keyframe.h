@@ -25,6 +25,8 @@ class CurrentKeyframe {
         frames_(frames) {}
 
   ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe) const;
+  /// From this level on, which follows only motions of a pixel of it or so.
+  ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe, int coarsest_level) const;
   /// Engel et al. 2013, section 2.3: whether a frame is too far away, in mean inverse depths, or sees too much else.
   bool is_left_by(const ImageAlignment& tracked) const;
   /// Whether the motion to a frame is known well enough for a map that goes on from it: the scale of what comes into

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
 #include "rastro/math/sim3.h"
@@ -26,6 +28,12 @@ struct LsdMotion {
   SE3 within(TimeNs time) const {
     return duration > 0 ? SE3::exp(velocity.log() * (static_cast<double>(time) / static_cast<double>(duration)))
                         : SE3();
+  }
+  /// How far such an acceleration takes the camera from this motion until then; infinite where no motion is known.
+  double step_until(TimeNs at, double acceleration) const {
+    if (duration <= 0) return std::numeric_limits<double>::infinity();
+    const double interval = to_seconds(at - stamp);
+    return acceleration * interval * interval;
   }
   /// The frame at `at` has this pose. Across a loss no velocity is known.
   void accept(TimeNs at, const SE3& new_camera_from_keyframe) {

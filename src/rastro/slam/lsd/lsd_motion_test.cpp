@@ -41,5 +41,16 @@ TEST(LsdMotion, NoVelocityIsKnownAcrossALoss) {
   EXPECT_EQ(motion.within(10).log().norm(), 0.0);
 }
 
+TEST(LsdMotion, AnAccelerationTakesTheCameraAsFarAsTheTimeAllows) {
+  constexpr TimeNs frame = 50'000'000;
+  LsdMotion motion;
+  motion.accept(frame, some_pose(0.1));
+  motion.duration = 0;
+  EXPECT_EQ(motion.step_until(2 * frame, 15.0), std::numeric_limits<double>::infinity()) << "no velocity is known";
+  motion.accept(2 * frame, some_pose(0.2));
+  EXPECT_NEAR(motion.step_until(3 * frame, 15.0), 15.0 * 0.05 * 0.05, 1e-12);
+  EXPECT_NEAR(motion.step_until(4 * frame, 15.0), 15.0 * 0.1 * 0.1, 1e-12);
+}
+
 }  // namespace
 }  // namespace rastro

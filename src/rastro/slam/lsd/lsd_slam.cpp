@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "rastro/backend/rgbd/frame_report.h"
@@ -176,8 +177,12 @@ void LsdSlam::State::doubt(SlamUpdate& update) const {
 /// What is in doubt is tried again with all that mapping knows by now.
 JudgedAlignment LsdSlam::State::track(const LsdFrame& frame, SlamUpdate& update) {
   Stopwatch stage;
+  const bool limits_steps = sensor_.is_metric() && options_.max_acceleration > 0.0;
   const auto try_current = [&] {
-    return search_.track(mapping_.current(), frame.pyramid, {motion_.camera_from_keyframe, motion_.velocity, 0});
+    const double max_step = limits_steps ? motion_.step_until(frame.stamp, options_.max_acceleration)
+                                         : std::numeric_limits<double>::infinity();
+    return search_.track(mapping_.current(), frame.pyramid,
+                         {motion_.camera_from_keyframe, motion_.velocity, 0, max_step});
   };
   JudgedAlignment tracked = try_current();
   if (tracked.verdict.grade != PoseGrade::tracking && mapping_.is_busy()) {

@@ -2,7 +2,6 @@
 #include "rastro/slam/lsd/pose_search.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "rastro/slam/lsd/tracking/rotation_search.h"
 
@@ -14,9 +13,17 @@ bool is_better(const JudgedAlignment& a, const JudgedAlignment& b) {
   return a.alignment.inlier_share > b.alignment.inlier_share;
 }
 
+/// On coarser levels a crowd that fills much of the view takes the pose along.
+constexpr int fine_level = 1;
+
 /// To the last bit: an alignment that starts there ends at the same pose.
 bool is_same(const SE3& a, const SE3& b) {
   return a.translation() == b.translation() && a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
+}
+
+/// Of the two cameras' positions.
+double distance_between(const SE3& a_from_keyframe, const SE3& b_from_keyframe) {
+  return (a_from_keyframe.inverse().translation() - b_from_keyframe.inverse().translation()).norm();
 }
 
 }  // namespace
@@ -34,31 +41,36 @@ SE3 PoseSearch::rotation_between(const SmallImage& a, const SmallImage& b) const
   return {found.b_from_a, Eigen::Vector3d::Zero()};
 }
 
+JudgedAlignment PoseSearch::aligned_from(const SE3& guess, int coarsest_level, const CurrentKeyframe& keyframe,
+                                         const Pyramid& image, const ExpectedMotion& expected) const {
+  const double inverse_depth = keyframe.mean_inverse_depth();
+  JudgedAlignment tried;
+  tried.alignment = keyframe.track(image, guess, coarsest_level);
+  const SE3& found = tried.alignment.image_from_reference;
+  tried.jump_deg = std::min(view_change_deg(found * expected.camera_from_keyframe.inverse(), inverse_depth),
+                            view_change_deg(found * expected.going_on().inverse(), inverse_depth)) /
+                   (1.0 + expected.missed);
+  tried.verdict = judge_pose(tried.alignment, inverse_depth, tried.jump_deg, options_);
+  return tried;
+}
+
 JudgedAlignment PoseSearch::track(const CurrentKeyframe& keyframe, const Pyramid& image,
                                   const ExpectedMotion& expected) const {
-  const double inverse_depth = keyframe.mean_inverse_depth();
-  const SE3 &still = expected.camera_from_keyframe, going_on = expected.velocity * still;
-  const auto try_from = [&](const SE3& guess) {
-    JudgedAlignment tried;
-    tried.alignment = keyframe.track(image, guess);
-    const SE3& found = tried.alignment.image_from_reference;
-    tried.jump_deg = std::min(view_change_deg(found * still.inverse(), inverse_depth),
-                              view_change_deg(found * going_on.inverse(), inverse_depth)) /
-                     (1.0 + expected.missed);
-    tried.verdict = judge_pose(tried.alignment, inverse_depth, tried.jump_deg, options_);
-    return tried;
-  };
-  JudgedAlignment best = try_from(going_on);
-  std::vector<SE3> tried{going_on};
-  const auto improve_from = [&](const SE3& guess) {
-    if (std::any_of(tried.begin(), tried.end(), [&](const SE3& other) { return is_same(other, guess); })) return;
-    tried.push_back(guess);
-    const JudgedAlignment other = try_from(guess);
+  const SE3 &still = expected.camera_from_keyframe, going_on = expected.going_on();
+  const int coarsest = options_.levels - 1;
+  JudgedAlignment best = aligned_from(going_on, coarsest, keyframe, image, expected);
+  const auto is_doubtful = [&] { return best.verdict.grade != PoseGrade::tracking; };
+  const auto improve_from = [&](const SE3& guess, int coarsest_level) {
+    const JudgedAlignment other = aligned_from(guess, coarsest_level, keyframe, image, expected);
     if (is_better(other, best)) best = other;
   };
-  if (best.verdict.grade != PoseGrade::tracking) improve_from(still);
-  if (best.verdict.grade != PoseGrade::tracking && last_)
-    improve_from(rotation_between(*last_, small_of(image)) * still);
+  if (is_doubtful() && !is_same(still, going_on)) improve_from(still, coarsest);
+  if (is_doubtful() && last_) {
+    const SE3 rotated = rotation_between(*last_, small_of(image)) * still;
+    if (!is_same(rotated, going_on) && !is_same(rotated, still)) improve_from(rotated, coarsest);
+  }
+  if (is_doubtful() || distance_between(best.alignment.image_from_reference, going_on) > expected.max_step)
+    improve_from(going_on, fine_level);
   return best;
 }
 

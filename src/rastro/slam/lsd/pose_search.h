@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "rastro/camera/camera.h"
@@ -16,6 +17,10 @@ struct ExpectedMotion {
   SE3 camera_from_keyframe;  ///< Of the last frame with a pose.
   SE3 velocity;              ///< Its motion since the frame before, in the keyframe's unit.
   int missed = 0;            ///< Frames since then without a pose: the view may have changed by so much more.
+  /// How far the camera may be from where this motion takes it, in the keyframe's unit; infinite where that is unknown.
+  double max_step = std::numeric_limits<double>::infinity();
+
+  SE3 going_on() const { return velocity * camera_from_keyframe; }
 };
 
 struct JudgedAlignment {
@@ -25,7 +30,8 @@ struct JudgedAlignment {
 };
 
 /// Aligns a frame with a keyframe from several guesses, until one gives a pose without doubt: the motion goes on; it
-/// stops; the camera rotated as far as two small images say.
+/// stops; the camera rotated as far as two small images say. A pose that no camera could reach is compared with one
+/// from fine levels alone, near the motion that goes on.
 class PoseSearch {
  public:
   /// `options` outlives this. `camera`: of the undistorted images.
@@ -44,6 +50,8 @@ class PoseSearch {
     PaddedImage image;
     int level = 0;
   };
+  JudgedAlignment aligned_from(const SE3& guess, int coarsest_level, const CurrentKeyframe& keyframe,
+                               const Pyramid& image, const ExpectedMotion& expected) const;
   static SmallImage small_of(const Pyramid& image);
   SE3 rotation_between(const SmallImage& a, const SmallImage& b) const;
 
