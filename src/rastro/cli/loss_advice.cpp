@@ -29,7 +29,7 @@ std::string advice_for(SlamReason reason) {
     case SlamReason::repeated_frame:
       return "the same frame came again: check the recording with 'rastro check'";
     case SlamReason::odometry_jumped:
-      return "wheel odometry jumped: check its source, or raise the limits of speed";
+      return "wheel odometry jumped: check its unit (meters, radians) and source, or raise the limits of speed";
     case SlamReason::blurred:
       return "motion blur: rotate slower, or use a shorter exposure";
     case SlamReason::not_found:

@@ -167,6 +167,10 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
       update.reason = SlamReason::degenerate;
       update.detail = fmt::format("degenerate: no structure constrains motion at {:.0f} deg from ahead",
                                   std::atan(along.y() / along.x()) * 180.0 / M_PI);
+    } else if (guess_.odometry_is_given_up()) {
+      update.state = SlamState::weak;
+      update.reason = SlamReason::odometry_jumped;
+      update.detail = "odometry jumped too often to be used, and scans alone do not tell how far a smooth wall goes on";
     } else if (guess_.odometry_jumped()) {
       update.reason = SlamReason::odometry_jumped;
       update.detail = fmt::format("odometry faster than {:g} m/s was rejected", options_.max_speed_m_per_s);

@@ -40,7 +40,7 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   if (unmoved_ >= frozen_scans) return from_speed(stamp);
   const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
   const double distance_m = moved.translation().norm(), angle = std::abs(moved.rotation().angle());
-  if (jumps(distance_m, stamp) || !std::isfinite(angle) || distrust_ >= most_distrust) {
+  if (jumps(distance_m, stamp) || !std::isfinite(angle) || odometry_is_given_up()) {
     jumped_ = true;
     distrust_ += 1.0;
     return from_speed(stamp);
@@ -49,6 +49,8 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * distance_m,
           least_sigma_rad + options_.odometry_yaw_sigma_share * angle, true};
 }
+
+bool MotionGuess::odometry_is_given_up() const { return distrust_ >= most_distrust; }
 
 /// Faster than a vehicle drives. While the period of the scans is unknown, within a second; the mean one, since stamps
 /// may be of whole seconds.

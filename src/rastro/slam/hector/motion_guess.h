@@ -20,6 +20,8 @@ class MotionGuess {
   ScanGuess guess(TimeNs stamp, const std::optional<SE2>& odometry_from_body);
   /// Whether the last guess discarded its odometry because no vehicle moves like that.
   bool odometry_jumped() const { return jumped_; }
+  /// Whether odometry is used no more, because it jumped too often: its unit is wrong, or it is that of another drive.
+  bool odometry_is_given_up() const;
   void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
   /// Seconds without scans before this one; 0 unless they are many periods.
   double gap_s(TimeNs stamp) const;

@@ -192,6 +192,7 @@ TEST(MotionGuess, OdometryOfAnotherUnitIsGivenUp) {
   const HectorOptions options;
   MotionGuess guess = with_odometry(options);
   SE2 odometry = pose_of(0.95, 0.0, 0.0);
+  EXPECT_FALSE(guess.odometry_is_given_up());
   for (int k = 20; k < 40; ++k) {
     odometry = odometry * pose_of(50.0, 0.0, 0.0);
     guess.guess(k * period, odometry);
@@ -202,6 +203,7 @@ TEST(MotionGuess, OdometryOfAnotherUnitIsGivenUp) {
       distance(guess.guess(40 * period, odometry * pose_of(0.6, 0.0, 0.0)).local_from_body, pose_of(2.0, 0.0, 0.0)),
       1e-9)
       << "a plausible step by chance";
+  EXPECT_TRUE(guess.odometry_is_given_up());
 }
 
 TEST(MotionGuess, ManyPeriodsWithoutAScanAreAGap) {
