@@ -99,11 +99,15 @@ int benchmark(const BenchmarkFlags& flags) {
     return done;
   }
   const BenchmarkRows baseline = flags.baseline.empty() ? BenchmarkRows() : read_benchmark_rows(flags.baseline);
-  const BenchmarkSetup setup = benchmark_setup(
-      {.out = flags.out, .jobs = flags.jobs, .threads = flags.threads, .force = flags.force}, list.keep);
+  const BenchmarkSetup setup = benchmark_setup({.out = flags.out,
+                                                .jobs = flags.jobs,
+                                                .threads = flags.threads,
+                                                .force = flags.force,
+                                                .timeout_s = list.timeout_s},
+                                               list.keep);
   const ResumedBenchmark resumed = resume_benchmark(plan, setup);
   if (!flags.quiet) fmt::print(stderr, "{}\n", resumed.text());
-  const auto results = run_missing(plan, resumed, setup, benchmark_tools(list.timeout_s, flags.quiet));
+  const auto results = run_missing(plan, resumed, setup, benchmark_tools(setup, flags.quiet));
   if (results.size() < plan.runs.size())
     fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", results.size(),
                plan.runs.size());

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,6 +21,7 @@
 #include "rastro/cli/compare/report_tables.h"
 #include "rastro/cli/compare/report_text.h"
 #include "rastro/cli/compare/strengths.h"
+#include "rastro/cli/interrupt.h"
 #include "rastro/cli/program.h"
 
 namespace rastro::cli {
@@ -34,6 +36,8 @@ A list of 'rastro benchmark' says itself which methods run on what.
 
 --import adds the trajectory of another program (TUM, KITTI or EuRoC format), scored as ours: aligned by se3, or sim3 for one camera;
 its cloud is compared with the surfaces of generated rooms after the same alignment. @INPUT says of which of several inputs it is.
+Poses of another program are taken as the camera's; with 'body' they are of the body (EuRoC: the IMU). Complete is, of an import, the
+share of the input's frames with a pose; false are frames said to be tracked that are more than 0.1 m off, where a list of runs does not say otherwise.
 --disturb makes the input wrong, stronger from run to run, until a method tracks less than 90 % of the frames that it tracked
 without, or its error doubles.
 
@@ -67,7 +71,6 @@ struct CompareFlags {
   bool seeds_given = false;
   int repeats = 1;
   std::vector<std::string> disturbances, imports;
-  double timeout_s = 3600.0;
   SessionFlags session;
   bool paper = false, dry_run = false, quiet = false;
 };
@@ -113,8 +116,8 @@ CompareTask task_of(const CompareFlags& flags, const std::string& data) {
 }
 
 /// As a benchmark, and the maps too.
-BenchmarkTools tools_of(const CompareFlags& flags) {
-  BenchmarkTools tools = benchmark_tools(flags.timeout_s, flags.quiet);
+BenchmarkTools tools_of(const BenchmarkSetup& setup, const CompareFlags& flags) {
+  BenchmarkTools tools = benchmark_tools(setup, flags.quiet);
   tools.score = [score = tools.score](const std::filesystem::path& folder, const BenchmarkJudgment& judgment,
                                       const std::filesystem::path& map_folder) {
     RunScores scores = score(folder, judgment, map_folder);
@@ -152,7 +155,7 @@ CompareFlags with_paper_defaults(CompareFlags flags) {
   return flags;
 }
 
-int compare(const CompareFlags& given) {
+int compare_until_interrupted(const CompareFlags& given) {
   const CompareFlags flags = given.paper ? with_paper_defaults(given) : given;
   if (flags.inputs.empty() && !flags.paper)
     throw Error("needs an input", "rastro compare", "give a recording, a world, a list (.yaml), or --paper");
@@ -162,7 +165,7 @@ int compare(const CompareFlags& given) {
   const std::vector<StrengthLadder> ladders = ladders_named(flags.disturbances);
   const CompareTask task = task_of(flags, data);
   const BenchmarkSetup setup = benchmark_setup(flags.session, true);
-  CompareSession session(task, setup, tools_of(flags), data);
+  CompareSession session(task, setup, tools_of(setup, flags), data);
   if (flags.dry_run) {
     fmt::print("{}", session.plan_text());
     return done;
@@ -177,12 +180,22 @@ int compare(const CompareFlags& given) {
   if (flags.paper && complete) comparison.front_end = front_end_figures(comparison.inputs, session.recordings());
   add_imports(scored_imports, comparison);
   comparison.command = command_line();
-  if (!complete)
-    fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", comparison.runs.size(),
-               comparison.planned);
+  if (!complete) fmt::print(stderr, "{}; the same command goes on\n", interruption_text(comparison));
   fmt::print("{}", comparison_as_text(comparison));
   write_reports(comparison, flags.session.out);
-  return done;
+  const auto& runs = comparison.runs;
+  const bool none =
+      !runs.empty() && std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.failed(); });
+  return none ? limit_missed : done;
+}
+
+int compare(const CompareFlags& flags) {
+  try {
+    return compare_until_interrupted(flags);
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "interrupted before the first run; the same command goes on\n");
+    return done;
+  }
 }
 
 void add_run_flags(CLI::App& command, CompareFlags& flags) {
@@ -201,11 +214,16 @@ void add_run_flags(CLI::App& command, CompareFlags& flags) {
   command.add_option("--threads", flags.session.threads, "Threads of each run (default: all cores divided by --jobs)")
       ->type_name("N")
       ->group(group);
-  command.add_option("--timeout", flags.timeout_s, "A run that takes longer is stopped and fails (default: 3600)")
+  command
+      .add_option("--timeout", flags.session.timeout_s,
+                  "A run that takes longer is stopped and fails; with more time it is run again (default: 3600)")
       ->type_name("S")
       ->group(group);
   command.add_flag("--force", flags.session.force, "Run again what has a result")->group(group);
-  command.add_flag("--dry-run", flags.dry_run, "Print the runs and their commands only")->group(group);
+  command
+      .add_flag("--dry-run", flags.dry_run,
+                "Print the runs and their commands only; worlds are generated, to see what they hold")
+      ->group(group);
 }
 
 void add_input_flags(CLI::App& command, CompareFlags& flags) {
@@ -251,7 +269,7 @@ void add_compare_command(CLI::App& app, Context& context) {
   command
       ->add_option("--import", flags->imports,
                    "Trajectory of another program as a further column, and its cloud; may be repeated")
-      ->type_name("NAME[@INPUT]=FILE[,cloud.ply][,sim3]")
+      ->type_name("NAME[@INPUT]=FILE[,cloud.ply][,sim3][,body]")
       ->allow_extra_args(false);
   command
       ->add_option("--disturb", flags->disturbances,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/benchmark/benchmark_result.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "rastro/base/append_file.h"
@@ -15,6 +16,14 @@ Json json_of(const std::optional<double>& value) { return value ? Json(*value) :
 
 std::optional<double> optional_in(const Json& json, const char* key) {
   return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<double>());
+}
+
+/// JSON knows no NaN: a figure that is none is left out.
+std::map<std::string, double> finite(const std::map<std::string, double>& figures) {
+  std::map<std::string, double> kept;
+  for (const auto& [name, value] : figures)
+    if (std::isfinite(value)) kept[name] = value;
+  return kept;
 }
 
 BenchmarkResult from_json(const Json& json) {
@@ -39,6 +48,7 @@ BenchmarkResult from_json(const Json& json) {
   scores.alignment = json.at("alignment").get<std::string>();
   scores.first_loss = json.at("first_loss").get<std::string>();
   scores.figures = json.at("figures").get<std::map<std::string, double>>();
+  result.timed_out = json.value("timed_out", false);
   result.wall_s = json.at("wall_s").get<double>();
   result.cpu_s = json.at("cpu_s").get<double>();
   result.peak_memory_mb = json.at("peak_memory_mb").get<double>();
@@ -67,7 +77,8 @@ std::string to_json(const BenchmarkResult& result) {
             {"sha256", scores.sha256},
             {"alignment", scores.alignment},
             {"first_loss", scores.first_loss},
-            {"figures", scores.figures},
+            {"figures", finite(scores.figures)},
+            {"timed_out", result.timed_out},
             {"wall_s", result.wall_s},
             {"cpu_s", result.cpu_s},
             {"peak_memory_mb", result.peak_memory_mb}};

@@ -31,10 +31,11 @@ struct RunScores {
 struct BenchmarkResult {
   std::string entry;
   std::uint64_t seed = 0;
-  std::string command;  ///< See BenchmarkPlan::command_of().
-  std::string program;  ///< Hash of the program that ran.
-  std::string failure;  ///< Why there is no result; empty: there is one, or the program rightly refused wrong input.
-  std::string message;  ///< Last line of the program on standard error.
+  std::string command;     ///< See BenchmarkPlan::command_of().
+  std::string program;     ///< Hash of the program that ran.
+  std::string failure;     ///< Why there is no result; empty: there is one, or the program rightly refused wrong input.
+  std::string message;     ///< Last line of the program on standard error.
+  bool timed_out = false;  ///< Stopped after wall_s.
   RunScores scores;
   double wall_s = 0.0, cpu_s = 0.0, peak_memory_mb = 0.0;
 };

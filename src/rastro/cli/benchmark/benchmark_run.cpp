@@ -86,6 +86,7 @@ class Workers {
     result.wall_s = end.wall_s, result.cpu_s = end.cpu_s, result.peak_memory_mb = end.peak_memory_mb;
     result.message = end.last_line;
     result.failure = failure_of(end);
+    result.timed_out = end.timed_out;
     if (result.failure.empty()) {
       judge(run, folder, result);
     } else if (run.may_refuse && end.exit_code == refused) {
@@ -134,31 +135,39 @@ class Workers {
 std::string ResumedBenchmark::text() const {
   std::string text = fmt::format("{} of {} runs have results", results.size(), results.size() + missing.size());
   if (other_command > 0) text += fmt::format("; {} run again: the list changed", other_command);
+  if (more_time > 0) text += fmt::format("; {} run again: they have more time now", more_time);
   if (other_program > 0) text += fmt::format("; {} run again: the program changed", other_program);
   return text;
 }
 
 ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
+  constexpr double most_of_a_wait = 1.1;  // until a run is stopped, it takes somewhat longer than its limit
   ResumedBenchmark resumed;
   for (const BenchmarkRun& run : plan.runs) {
     const auto former = setup.force ? std::nullopt : read_benchmark_result(result_file(setup, run));
     const bool same_command = former && former->command == plan.command_of(run);
     const bool same_program = former && former->program == setup.program;
-    if (same_command && same_program) {
+    const bool has_more_time = former && former->timed_out && setup.timeout_s > most_of_a_wait * former->wall_s;
+    if (same_command && same_program && !has_more_time) {
       resumed.results.push_back(*former);
       continue;
     }
     resumed.missing.push_back(&run);
     if (former && !same_command) ++resumed.other_command;
     if (same_command && !same_program) ++resumed.other_program;
+    if (same_command && same_program && has_more_time) ++resumed.more_time;
   }
   return resumed;
 }
 
 std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
                                          const BenchmarkSetup& setup, const BenchmarkTools& tools) {
-  fs::create_directories(setup.out / "results");
-  fs::create_directories(setup.out / "runs");
+  for (const char* folder : {"results", "runs"}) {
+    std::error_code error;
+    fs::create_directories(setup.out / folder, error);
+    if (error)
+      throw Error("cannot be created: " + error.message(), (setup.out / folder).string(), "choose another --out");
+  }
   return Workers(plan, resumed, setup, tools).run_all();
 }
 

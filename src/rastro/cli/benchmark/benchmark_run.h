@@ -16,11 +16,12 @@ namespace rastro::cli {
 /// Where and how the runs of a plan are run.
 struct BenchmarkSetup {
   std::filesystem::path out;
-  std::string program;  ///< Hash of the program.
-  int jobs = 1;         ///< Runs at the same time.
-  int threads = 0;      ///< Of each run; 0: all cores.
-  bool keep = true;     ///< Simulated recordings, maps and run folders.
-  bool force = false;   ///< Run what has a result, too.
+  std::string program;     ///< Hash of the program.
+  int jobs = 1;            ///< Runs at the same time.
+  int threads = 0;         ///< Of each run; 0: all cores.
+  bool keep = true;        ///< Simulated recordings, maps and run folders.
+  bool force = false;      ///< Run what has a result, too.
+  double timeout_s = 0.0;  ///< What each run has; those that were stopped earlier than that run again.
 };
 
 /// What a benchmark needs from outside; tests have their own.
@@ -39,6 +40,7 @@ struct ResumedBenchmark {
   std::vector<BenchmarkResult> results;
   std::vector<const BenchmarkRun*> missing;  ///< Of the plan, in its order.
   int other_program = 0;                     ///< Missing since their result is of another program.
+  int more_time = 0;                         ///< Missing since they were stopped by a shorter limit.
   int other_command = 0;                     ///< Missing since the list says otherwise now.
 
   /// "12 of 40 runs have results; 3 run again: the list changed"; one line.

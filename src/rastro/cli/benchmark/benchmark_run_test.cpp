@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 
 #include "rastro/base/append_file.h"
@@ -32,6 +33,7 @@ class FakeProgram {
     end.exit_code = words.front() == fails_at ? fails_with : 0;
     end.last_line = end.exit_code == 0 ? "" : "rastro: no";
     end.wall_s = 2.0;
+    end.timed_out = words.front() == "slam" && too_slow;
     if (stop_after > 0 && static_cast<int>(commands.size()) >= stop_after) stop = true;
     end.stopped = stop && static_cast<int>(commands.size()) > stop_after;
     return end;
@@ -44,6 +46,7 @@ class FakeProgram {
       if (broken_score) throw Error("is not a result", "result.json", "run it again");
       RunScores scores;
       scores.frames = map_folder.empty() ? 10 : 20;
+      scores.figures = {{"length_mean_m", std::numeric_limits<double>::quiet_NaN()}, {"frame_ms", 3.0}};
       return scores;
     };
     all.stop = &stop;
@@ -55,7 +58,7 @@ class FakeProgram {
   std::vector<std::string> commands;
   std::string fails_at;
   int fails_with = 0, stop_after = 0;
-  bool broken_score = false;
+  bool broken_score = false, too_slow = false;
   std::atomic<bool> stop = false;
 
  private:
@@ -100,6 +103,30 @@ TEST(BenchmarkRun, EachRunHasAResultAndIsNotRunAgain) {
   EXPECT_EQ(called.results.size(), 2U);
   EXPECT_THAT(second.commands, IsEmpty());
   EXPECT_EQ(called.resumed.text(), "2 of 2 runs have results");
+}
+
+TEST(BenchmarkRun, AFigureThatIsNoNumberIsLeftOut) {
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  const BenchmarkSetup setup = setup_in("nan");
+  FakeProgram program;
+  call(plan, setup, program);
+  const ResumedBenchmark resumed = resume_benchmark(plan, setup);
+  ASSERT_EQ(resumed.results.size(), 2U);
+  EXPECT_EQ(resumed.results.front().scores.figures, (std::map<std::string, double>{{"frame_ms", 3.0}}));
+}
+
+TEST(BenchmarkRun, WhatTookTooLongRunsAgainWithMoreTime) {
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  BenchmarkSetup setup = setup_in("time");
+  setup.timeout_s = 2.0;
+  FakeProgram program;
+  program.too_slow = true;
+  call(plan, setup, program);
+  EXPECT_TRUE(resume_benchmark(plan, setup).missing.empty());
+  setup.timeout_s = 60.0;
+  const ResumedBenchmark resumed = resume_benchmark(plan, setup);
+  EXPECT_EQ(resumed.missing.size(), 2U);
+  EXPECT_THAT(resumed.text(), HasSubstr("2 run again: they have more time now"));
 }
 
 TEST(BenchmarkRun, ForceRunsAllAgainButWorldsStay) {

@@ -43,12 +43,19 @@ void show(const BenchmarkResult& result, int done, int count) {
 }  // namespace
 
 BenchmarkSetup benchmark_setup(const SessionFlags& flags, bool keep) {
+  constexpr double most_s = 1e7;
   if (flags.jobs < 1 || flags.jobs > 256)
     throw Error(fmt::format("{} is not a number of runs", flags.jobs), "--jobs", "give 1 to 256");
   if (flags.threads < 0)
     throw Error(fmt::format("{} is not a number of threads", flags.threads), "--threads", "give 1 or more, or 0");
+  if (!(flags.timeout_s > 0.0 && flags.timeout_s <= most_s))
+    throw Error(fmt::format("{} is not a time", flags.timeout_s), "--timeout", "give seconds, such as 600");
   if (flags.out.empty()) throw Error("is required", "--out", "give a folder: --out DIR");
+  std::error_code ignored;
+  if (std::filesystem::exists(flags.out, ignored) && !std::filesystem::is_directory(flags.out, ignored))
+    throw Error("is a file", flags.out, "give a folder: --out DIR");
   BenchmarkSetup setup;
+  setup.timeout_s = flags.timeout_s;
   setup.out = flags.out;
   setup.program = hash_of_program();
   setup.jobs = flags.jobs;
@@ -59,11 +66,11 @@ BenchmarkSetup benchmark_setup(const SessionFlags& flags, bool keep) {
   return setup;
 }
 
-BenchmarkTools benchmark_tools(double timeout_s, bool quiet) {
+BenchmarkTools benchmark_tools(const BenchmarkSetup& setup, bool quiet) {
   const std::atomic<bool>& stop = catch_interrupts();
   BenchmarkTools tools;
   tools.stop = &stop;
-  tools.run = [&stop, timeout_s](const std::vector<std::string>& words) {
+  tools.run = [&stop, timeout_s = setup.timeout_s](const std::vector<std::string>& words) {
     std::vector<std::string> command = {"rastro"};
     command.insert(command.end(), words.begin(), words.end());
     return run_child(this_program, command, timeout_s, stop);

@@ -70,6 +70,8 @@ double path_of(const Trajectory& poses) {
 
 }  // namespace
 
+bool is_seed(const std::string& word) { return word == "--seed" || word.starts_with("--seed="); }
+
 CompareInput parse_compare_input(const std::string& text, const InputDefaults& defaults) {
   auto [name, flags] = name_and_flags(text);
   CompareInput input;
@@ -85,6 +87,8 @@ CompareInput parse_compare_input(const std::string& text, const InputDefaults& d
   input.input.frames = defaults.frames;
   if (recording.empty()) {
     input.input.world = input.name = name;
+    if (std::any_of(flags.begin(), flags.end(), is_seed))
+      throw Error("seeds of worlds are chosen for all of them", name, "give --seeds N to compare: seeds 1 to N");
     input.input.simulate = flags;
     for (std::uint64_t seed = 1; seed <= defaults.seeds; ++seed) input.seeds.push_back(seed);
     return input;

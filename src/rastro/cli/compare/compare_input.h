@@ -16,7 +16,7 @@ namespace rastro::cli {
 struct InputFacts {
   bool has_image = false, has_color = false, has_right = false, has_depth = false, has_scan = false;
   bool has_odometry = false, has_ground_truth = false;
-  std::int64_t frames = 0;  ///< Of the recording; -1 if unknown.
+  std::int64_t frames = 0;  ///< The chosen ones; -1 if unknown.
   double rate_hz = 0.0;     ///< Of the frames; 0 if unknown.
   double path_m = 0.0;      ///< Of the ground truth at the chosen frames; 0 without.
   double speed_m_s = 0.0;   ///< Median along it; 0 without.

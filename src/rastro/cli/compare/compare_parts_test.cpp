@@ -59,6 +59,7 @@ TEST(CompareInput, NamesAreUniqueAndUnknownOnesAreRefused) {
   const auto inputs = parse_compare_inputs({"hall", "hall --frames 5"}, {});
   EXPECT_EQ(inputs[1].name, "hall (2)");
   EXPECT_THAT(error_of([] { parse_compare_input("bedrom", {}); }), HasSubstr("did you mean 'bedroom'"));
+  EXPECT_THAT(error_of([] { parse_compare_input("bedroom --seed 7", {}); }), HasSubstr("--seeds"));
 }
 
 TEST(MethodOffers, ANameStandsForEverySensor) {
@@ -121,7 +122,9 @@ TEST(Imports, NameInputFilesAndAlignment) {
   EXPECT_EQ(import.alignment, "sim3");
   EXPECT_THAT(error_of([] { parse_import("theirs"); }), HasSubstr("NAME=trajectory.txt"));
   EXPECT_THAT(error_of([] { parse_import("theirs=no.txt"); }), HasSubstr("no such file"));
-  EXPECT_THAT(error_of([&] { parse_import("theirs=" + file.string() + ",sim4"); }), HasSubstr("sim4"));
+  EXPECT_FALSE(import.of_body);
+  EXPECT_TRUE(parse_import("theirs=" + file.string() + ",body").of_body);
+  EXPECT_THAT(error_of([&] { parse_import("theirs=" + file.string() + ",sim4"); }), HasSubstr("--import: 'sim4'"));
 }
 
 TEST(CompareList, EntriesThatReadTheSameAreOneInput) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <set>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/scratch_testing.h"
@@ -116,6 +117,49 @@ TEST(UseCases, RecommendTheSmallestErrorOfThoseThatComplete) {
   EXPECT_THAT(report.advice[0].text, HasSubstr("100 % of the frames"));
   EXPECT_THAT(report.advice[1].text, HasSubstr("No data for this"));
   EXPECT_THAT(summary_rows(comparison)[1], testing::Contains("good"));
+}
+
+/// A second input on which these columns gave no path, and the others did.
+Comparison with_failure_of(const std::set<std::string>& columns) {
+  Comparison comparison = three_methods();
+  CompareInput input = comparison.inputs.front();
+  input.name = "room_2";
+  comparison.inputs.push_back(input);
+  for (const std::string each : {"good", "poor", "late"}) {
+    comparison.runs.push_back(run_of(1, each, 1, 0.02, 0));
+    if (columns.contains(each)) comparison.runs.back().result.failure = "exit code 2: no";
+  }
+  comparison.planned = comparison.runs.size();
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  return comparison;
+}
+
+TEST(UseCases, AMethodThatFailedOnAnInputIsJudgedByItToo) {
+  const auto advice = [](const std::set<std::string>& failed) {
+    return report_of(with_failure_of(failed)).advice[0].text;
+  };
+  EXPECT_THAT(advice({"poor"}), HasSubstr("good: of the 3 methods"));
+  EXPECT_THAT(advice({"good"}), HasSubstr("poor: of the 3 methods"));
+  const std::string none = advice({"good", "poor"});
+  EXPECT_THAT(none, HasSubstr("No method for it is both complete and accurate"));
+  EXPECT_THAT(none, Not(HasSubstr("of those that track about as many frames")));
+}
+
+TEST(Reports, SayWhatTheyAreOfWhenInterrupted) {
+  Comparison comparison = three_methods();
+  EXPECT_THAT(report_as_markdown(report_of(comparison)), Not(HasSubstr("interrupted")));
+  comparison.planned += 3;
+  EXPECT_THAT(report_as_markdown(report_of(comparison)), HasSubstr("interrupted: 18 of 21 runs have results"));
+}
+
+TEST(PairedDifferences, AnImportIsComparedByFramesWithAPose) {
+  Comparison comparison = three_methods();
+  std::vector<ColumnTrace> traces = traces_of(comparison);
+  for (ColumnTrace& trace : traces) trace.posed_percent = 99.0;
+  EXPECT_TRUE(between(paired_differences(traces, {"good", "late"}), "good", "late").differs_in_completion());
+  for (ColumnTrace& trace : traces)
+    if (trace.column == "late") trace.trace.frames.clear();
+  EXPECT_FALSE(between(paired_differences(traces, {"good", "late"}), "good", "late").differs_in_completion());
 }
 
 TEST(UseCases, AFirstLookAtFewFramesIsCalledThat) {

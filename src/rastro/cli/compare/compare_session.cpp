@@ -11,6 +11,7 @@
 #include "rastro/cli/common_flags.h"
 #include "rastro/cli/compare/compare_list.h"
 #include "rastro/cli/compare/paper_tables.h"
+#include "rastro/cli/interrupt.h"
 
 namespace rastro::cli {
 namespace {
@@ -43,6 +44,10 @@ InputFacts facts_of_recording(const std::string& path, OpenOptions options, cons
     facts.rate_hz = rate_of(*source);
   } catch (const Error&) {
     facts = facts_of(source->info(), {});  // the runs say what is wrong with the first frames
+  }
+  if (facts.frames > 0) {
+    const std::int64_t chosen = std::min(options.end_frame, facts.frames) - options.first_frame;
+    facts.frames = std::max<std::int64_t>(0, (chosen + options.every - 1) / options.every);
   }
   return facts;
 }
@@ -101,6 +106,7 @@ std::string CompareSession::recording_of(const CompareInput& input) const {
   if (input.is_world()) {
     BenchmarkParts parts(plan, {&run}, setup_.out, setup_.program, true, tools_.run);
     const std::string failure = parts.need(run);
+    stop_if_interrupted();
     if (!failure.empty()) throw Error(failure, input.name, "correct the flags of this world");
   }
   return resolved(run.words[1], setup_.out);

@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "rastro/cli/compare/map_figures.h"
+
 namespace rastro::cli {
 namespace {
 
@@ -31,7 +33,7 @@ FinishedRun finished(const CompareRun& what, const BenchmarkRun& run, const Benc
   done.folder = setup.out / "runs" / run.id;
   done.recording = resolved(run.words[1], setup.out);
   done.ground_truth = resolved(run.judgment.ground_truth, setup.out);
-  done.run_command = as_typed(run.words, setup.out) + " --out " + done.folder.string();
+  done.run_command = as_typed(run.words, setup.out) + " --force --out " + done.folder.string();
   if (setup.threads > 0) done.run_command += fmt::format(" --threads {}", setup.threads);
   const std::string& alignment = result.scores.alignment;
   if (!alignment.empty())
@@ -69,6 +71,17 @@ bool is_error(const std::string& figure) {
          figure.starts_with("false");
 }
 
+/// A map of one camera is made metric first, in a copy, and one length more exactly so.
+std::string measure_command(const std::string& folder, const FinishedRun& run) {
+  const std::string known =
+      run.result.scores.alignment == "sim3" ? known_length_of_mono_maps(run.recording) : std::string();
+  if (known.empty()) return fmt::format("rastro measure {} --objects {}/objects.yaml", folder, run.recording);
+  return fmt::format(
+      "cp -r {0} {0}_metric && rastro scale {0}_metric --reference {1} && rastro measure {0}_metric --objects "
+      "{1}/objects.yaml --known '{2}'",
+      folder, run.recording, known);
+}
+
 /// What prints the figure, or of times and counts the run itself, whose result.json has them.
 std::string command_of(const std::string& figure, const FinishedRun& run) {
   const std::string folder = run.folder.string();
@@ -76,8 +89,7 @@ std::string command_of(const std::string& figure, const FinishedRun& run) {
     return fmt::format(
         "rastro export {0} --to ply --out {0}/surface.ply && rastro evaluate cloud {1}/truth.ply {0}/surface.ply",
         folder, run.recording);
-  if (figure.starts_with("length"))
-    return fmt::format("rastro measure {} --objects {}/objects.yaml", folder, run.recording);
+  if (figure.starts_with("length")) return measure_command(folder, run);
   return is_error(figure) ? run.evaluate_command : run.run_command;
 }
 
@@ -102,6 +114,11 @@ void add_same_bytes(const CompareInput& input, const FinishedRun& again, const s
 }
 
 }  // namespace
+
+std::string interruption_text(const Comparison& comparison) {
+  if (comparison.runs.size() >= comparison.planned) return "";
+  return fmt::format("interrupted: {} of {} runs have results", comparison.runs.size(), comparison.planned);
+}
 
 std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const BenchmarkPlan& plan,
                                        const std::vector<BenchmarkResult>& results, const BenchmarkSetup& setup) {

@@ -39,7 +39,8 @@ struct ImportedTrajectory {
   std::string column;
   std::uint64_t seed = 0;
   std::string trajectory, ground_truth, alignment;
-  std::string command;  ///< Gives its errors.
+  std::string command;   ///< Gives its errors.
+  bool of_body = false;  ///< Poses of the body instead of the camera.
 };
 
 /// How one tracker did on one input, as in Table I of the front-end paper.
@@ -64,6 +65,9 @@ struct Comparison {
   bool paper = false;                    ///< Also beside the figures of the papers.
   std::vector<FrontEndFigures> front_end;
 };
+
+/// "interrupted: 3 of 12 runs have results"; empty where all have.
+std::string interruption_text(const Comparison& comparison);
 
 /// The results in the order of the plan; `plan`: of `planned.list`.
 std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const BenchmarkPlan& plan,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/compare/map_figures.h"
 #include "rastro/cli/compare/run_trace.h"
@@ -34,9 +35,33 @@ std::size_t input_of(const Import& import, const std::vector<CompareInput>& inpu
   throw Error(in_quotes(import.input) + " is not an input", flag, did_you_mean(import.input, names));
 }
 
+void require_alignment(const std::string& name) {
+  try {
+    parse_alignment(name);
+  } catch (const Error&) {
+    throw Error(in_quotes(name) + " is not an alignment, a .ply file or 'body'", flag,
+                "give none, se3, sim3, yaw or origin");
+  }
+}
+
+/// What the numbers of the table do not show.
+void warn_about(const Import& import, const RunTrace& trace) {
+  constexpr std::size_t few = 10;
+  const std::size_t matched = trace.scores.pairs.size();
+  if (matched < few)
+    log_warning(fmt::format("{}: only {} matched: an alignment makes the error of so few small, whatever they are",
+                            one_line(import.trajectory), matched == 1 ? "1 pose" : fmt::format("{} poses", matched)));
+  const bool is_converted = !import.of_body && trace.reference->frames.find("T_BS") != std::string::npos;
+  if (is_converted)
+    log_warning(
+        fmt::format("{}: its poses are taken as the camera's, those of the ground truth are converted from the "
+                    "body; where they are the body's, give {}=...,body",
+                    one_line(import.trajectory), import.name));
+}
+
 RunTrace read_trace(const Import& import, const std::string& recording, const std::string& frames) {
   TraceReader reader;
-  auto trace = reader.read(import.trajectory, recording, import.alignment, frames);
+  auto trace = reader.read(import.trajectory, recording, import.alignment, frames, import.of_body);
   if (!trace)
     throw Error("no pose matches the ground truth of the input", import.trajectory,
                 "are its timestamps those of the recording?");
@@ -47,10 +72,11 @@ RunTrace read_trace(const Import& import, const std::string& recording, const st
   return *trace;
 }
 
-RunFigures figures_of(const Import& import, const RunTrace& trace, const std::string& recording) {
+/// `frames`: of the input; 0: unknown.
+RunFigures figures_of(const Import& import, const RunTrace& trace, const std::string& recording, std::int64_t frames) {
   RunFigures figures;
   add_trajectory_figures(trace.scores, trace.reference->input, import.alignment == "se3", figures);
-  figures["completion_percent"] = trace.scores.pairing.coverage_percent;
+  figures["completion_percent"] = trace.posed_percent(frames);
   if (import.cloud.empty()) return figures;
   const SE3& world_from_first_camera = trace.reference->input.poses.front().world_from_body;
   const Sim3 first_camera_from_world(1.0, world_from_first_camera.inverse().rotation(),
@@ -74,9 +100,12 @@ Import parse_import(const std::string& text) {
   import.trajectory = pieces.front();
   for (std::size_t k = 1; k < pieces.size(); ++k) {
     const std::string piece(pieces[k]);
-    (fs::path(piece).extension() == ".ply" ? import.cloud : import.alignment) = piece;
+    if (piece == "body")
+      import.of_body = true;
+    else
+      (fs::path(piece).extension() == ".ply" ? import.cloud : import.alignment) = piece;
   }
-  if (import.alignment != "none") parse_alignment(import.alignment);
+  require_alignment(import.alignment);
   for (const std::string& file : {import.trajectory, import.cloud}) {
     std::error_code ignored;
     if (!file.empty() && !fs::exists(file, ignored)) throw Error("no such file", file, "correct --import");
@@ -98,11 +127,14 @@ std::vector<ScoredImport> score_imports(const std::vector<Import>& imports, cons
     const std::string &recording = recordings[input], frames = inputs[input].frames();
     const std::uint64_t seed = inputs[input].seeds.empty() ? 0 : inputs[input].seeds.front();
     const RunTrace trace = read_trace(import, recording, frames);
+    warn_about(import, trace);
     std::string command =
         fmt::format("rastro evaluate trajectory {} {} --align {}", recording, import.trajectory, import.alignment);
+    if (import.of_body) command += " --estimate-of body";
     if (!frames.empty()) command += " --frames " + frames;
-    all.push_back({{input, import.name, seed, import.trajectory, recording, import.alignment, std::move(command)},
-                   figures_of(import, trace, recording)});
+    all.push_back(
+        {{input, import.name, seed, import.trajectory, recording, import.alignment, std::move(command), import.of_body},
+         figures_of(import, trace, recording, inputs[input].facts.frames)});
   }
   return all;
 }

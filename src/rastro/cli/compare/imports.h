@@ -16,9 +16,11 @@ struct Import {
   std::string trajectory;
   std::string cloud;  ///< PLY in the world of the trajectory; empty: none.
   std::string alignment = "se3";
+  bool of_body = false;  ///< Poses of the body instead of the camera.
 };
 
-/// NAME[@INPUT]=trajectory.txt[,cloud.ply][,se3|sim3|yaw]. Error for anything else, and for files that are not there.
+/// NAME[@INPUT]=trajectory.txt[,cloud.ply][,none|se3|sim3|yaw|origin][,body]. Error for anything else, and for files
+/// that are not there.
 Import parse_import(const std::string& text);
 
 /// An import with its figures.

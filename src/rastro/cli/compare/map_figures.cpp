@@ -2,6 +2,7 @@
 #include "rastro/cli/compare/map_figures.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rastro/base/error.h"
 #include "rastro/base/task_pool.h"
@@ -16,6 +17,7 @@
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/landmarks/map_scale.h"
+#include "rastro/map/layer_type.h"
 
 namespace rastro::cli {
 namespace {
@@ -38,9 +40,8 @@ LengthObjects objects_in(const fs::path& file) {
   return parse_length_objects(read_text_file(file.string()), file.string());
 }
 
-/// One camera does not tell the scale: the longest known length does, and is no result then.
-std::string length_for_scale(const Map& map, const std::vector<LengthObject>& objects) {
-  if (map.cameras.front().kind != CameraKind::mono) return {};
+/// Of those whose length is known; empty: none.
+std::string longest_of(const std::vector<LengthObject>& objects) {
   const auto longest = std::max_element(objects.begin(), objects.end(), [](const auto& one, const auto& other) {
     return one.true_length_m.value_or(0.0) < other.true_length_m.value_or(0.0);
   });
@@ -50,8 +51,11 @@ std::string length_for_scale(const Map& map, const std::vector<LengthObject>& ob
 void add_lengths(const Map& map, const LengthObjects& objects, TaskPool& pool, RunFigures& figures) {
   if (objects.in_frame_of_ground_truth) return;
   std::vector<MapOfLengths> measured = {{"", measure_lengths(map, objects.objects, {}, pool)}};
-  apply_known_length(measured.front().lengths, length_for_scale(map, objects.objects));
+  // One camera does not tell the scale: a known length does, and is no result then.
+  const bool has_scale = map.cameras.front().kind != CameraKind::mono;
+  apply_known_length(measured.front().lengths, has_scale ? std::string() : longest_of(objects.objects));
   for (const auto& [name, value] : length_figures(measured)) {
+    if (!std::isfinite(value)) continue;  // of no length
     if (name == "measured") figures["lengths_measured_percent"] = 100.0 * value;
     if (name == "mean_error_m") figures["length_mean_m"] = value;
     if (name == "max_error_m") figures["length_max_m"] = value;
@@ -61,11 +65,14 @@ void add_lengths(const Map& map, const LengthObjects& objects, TaskPool& pool, R
     if (const auto error = length.error_m()) figures["length/" + length.name + "_m"] = *error;
 }
 
+/// As 'rastro export --to ply' gives them.
+PointCloud surfaces_of(const Map& map, TaskPool& pool) {
+  return images_of(map) ? build_cloud(map, cloud_options_for(map), &pool) : layer_points(map, 0);
+}
+
 /// With images, and nearly metric, so that the objects are found: the trajectory's scale is replaced later.
-std::shared_ptr<const Map> map_to_measure(const fs::path& file, const fs::path& recording, bool has_objects) {
-  auto map = load_map(file);
-  if (map->keyframes.empty() || map->cameras.empty() || map->cameras.front().kind == CameraKind::none) return nullptr;
-  if (!images_of(*map) && !has_objects && map->cameras.front().kind != CameraKind::depth) return nullptr;
+std::shared_ptr<const Map> map_to_measure(std::shared_ptr<const Map> map, const fs::path& file,
+                                          const fs::path& recording) {
   if (!images_of(*map)) map = with_recorded_images(*map, recordings_of_map(*map, file, recording.string()));
   if (scale_of(*map).metric) return map;
   try {
@@ -82,13 +89,19 @@ void add_map_figures(const fs::path& run_folder, const fs::path& recording, RunF
   const fs::path truth = recording / "truth.ply", objects = recording / "objects.yaml";
   const fs::path map_file = run_folder / "map.rastro";
   if (!is_file(map_file) || (!is_file(truth) && !is_file(objects))) return;
-  const auto map = map_to_measure(map_file, recording, is_file(objects));
-  if (!map) return;
+  const auto map = load_map(map_file);
+  if (map->keyframes.empty() || map->cameras.empty() || map->cameras.front().kind == CameraKind::none) return;
   TaskPool pool(0);
-  const bool has_depth = map->cameras.front().kind != CameraKind::mono;
-  if (is_file(truth) && has_depth)
-    add_agreement(build_cloud(*map, cloud_options_for(*map), &pool), truth, pool, figures);
-  if (is_file(objects)) add_lengths(*map, objects_in(objects), pool, figures);
+  if (is_file(truth) && map->cameras.front().kind != CameraKind::mono)
+    add_agreement(surfaces_of(*map, pool), truth, pool, figures);
+  if (!is_file(objects)) return;
+  if (const auto measured = map_to_measure(map, map_file, recording))
+    add_lengths(*measured, objects_in(objects), pool, figures);
+}
+
+std::string known_length_of_mono_maps(const fs::path& recording) {
+  const fs::path objects = recording / "objects.yaml";
+  return is_file(objects) ? longest_of(objects_in(objects).objects) : "";
 }
 
 void add_surface_figures(PointCloud cloud, const Sim3& first_camera_from_cloud, const fs::path& recording,

@@ -18,6 +18,9 @@ namespace rastro::cli {
 void add_map_figures(const std::filesystem::path& run_folder, const std::filesystem::path& recording,
                      RunFigures& figures);
 
+/// The length that sets the scale of maps of one camera, by its name in objects.yaml; empty where there is none.
+std::string known_length_of_mono_maps(const std::filesystem::path& recording);
+
 /// The surface figures of a cloud of another program: `first_camera_from_cloud`, scale included.
 void add_surface_figures(PointCloud cloud, const Sim3& first_camera_from_cloud, const std::filesystem::path& recording,
                          RunFigures& figures);

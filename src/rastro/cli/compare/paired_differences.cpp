@@ -31,8 +31,9 @@ void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs)
   if (!errors) return;
   const double ratio = std::max(errors->first_m, smallest_error_m) / std::max(errors->second_m, smallest_error_m);
   pairs.log_ratios[{first.input, first.seed}].push_back(std::log(ratio));
-  pairs.first_completions.push_back(first.completion_percent);
-  pairs.second_completions.push_back(second.completion_percent);
+  const bool is_import = first.trace.frames.empty() || second.trace.frames.empty();
+  pairs.first_completions.push_back(is_import ? first.posed_percent : first.completion_percent);
+  pairs.second_completions.push_back(is_import ? second.posed_percent : second.completion_percent);
 }
 
 Pairs pairs_of(const std::vector<ColumnTrace>& traces, const std::string& first, const std::string& second) {
@@ -70,9 +71,8 @@ PairedDifference turned(const PairedDifference& difference, const Pairs& pairs) 
   return other;
 }
 
-double completion_of(const FinishedRun& run) {
-  const RunScores& scores = run.result.scores;
-  return scores.frames > 0 ? 100.0 * static_cast<double>(scores.tracked) / static_cast<double>(scores.frames) : 0.0;
+double percent(std::int64_t some, std::int64_t all) {
+  return all > 0 ? 100.0 * static_cast<double>(some) / static_cast<double>(all) : 0.0;
 }
 
 }  // namespace
@@ -90,19 +90,21 @@ std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
     try {
       auto trace = reader.read(run.folder.string(), run.ground_truth, run.result.scores.alignment,
                                comparison.inputs[run.what.input].frames());
+      const RunScores& scores = run.result.scores;
       if (trace)
-        traces.push_back(
-            {run.what.input, run.what.column, run.seed, run.what.repeat, completion_of(run), std::move(*trace)});
+        traces.push_back({run.what.input, run.what.column, run.seed, run.what.repeat,
+                          percent(scores.tracked, scores.frames), percent(scores.posed, scores.frames),
+                          std::move(*trace)});
     } catch (const Error&) {
       continue;  // a run without any pose
     }
   }
   for (const ImportedTrajectory& import : comparison.imported) {
-    auto trace =
-        reader.read(import.trajectory, import.ground_truth, import.alignment, comparison.inputs[import.input].frames());
+    const CompareInput& input = comparison.inputs[import.input];
+    auto trace = reader.read(import.trajectory, import.ground_truth, import.alignment, input.frames(), import.of_body);
     if (!trace) continue;
-    const double completion = trace->scores.pairing.coverage_percent;
-    traces.push_back({import.input, import.column, import.seed, 1, completion, std::move(*trace)});
+    const double posed = trace->posed_percent(input.facts.frames);
+    traces.push_back({import.input, import.column, import.seed, 1, posed, posed, std::move(*trace)});
   }
   return traces;
 }

@@ -15,7 +15,8 @@ struct ColumnTrace {
   std::string column;
   std::uint64_t seed = 0;
   int repeat = 1;
-  double completion_percent = 0.0;
+  double completion_percent = 0.0;  ///< Frames tracked.
+  double posed_percent = 0.0;       ///< Frames with a pose; all that is known of an import.
   RunTrace trace;
 };
 

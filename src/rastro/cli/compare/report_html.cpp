@@ -169,9 +169,8 @@ std::string report_as_html(const Report& report, const std::filesystem::path& fo
   html += fmt::format("<h1>Comparison of {} on {}</h1>\n<p><code>{}</code></p>\n",
                       counted(comparison.table.columns().size(), "method"), counted(comparison.inputs.size(), "input"),
                       escaped(comparison.command));
-  if (comparison.runs.size() < comparison.planned)
-    html +=
-        fmt::format("<p>Interrupted: {} of {} runs have results.</p>\n", comparison.runs.size(), comparison.planned);
+  if (const std::string part = interruption_text(comparison); !part.empty())
+    html += fmt::format("<p>This comparison was {}: medians and advice are of these alone.</p>\n", part);
   html += papers_of(report) + advice_of(report) + differences_of(report);
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k) html += input_section(report, k, folder);
   html += strengths_of(comparison);

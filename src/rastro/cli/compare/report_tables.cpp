@@ -193,6 +193,8 @@ TextRows length_rows(const Comparison& comparison, const std::string& input) {
 std::string report_as_markdown(const Report& report) {
   const Comparison& comparison = report.comparison;
   std::string text = fmt::format("# Comparison\n\n`{}`\n\n", comparison.command);
+  if (const std::string part = interruption_text(comparison); !part.empty())
+    text += fmt::format("**This comparison was {}: medians and advice are of these alone.**\n\n", part);
   for (const UseCaseAdvice& advice : report.advice) text += fmt::format("**{}.** {}\n\n", advice.title, advice.text);
   text += "## The best of each sensor\n\n" + markdown_table(summary_rows(comparison));
   if (!report.by_auto.empty()) text += "## What auto makes of it\n\n" + markdown_table(auto_rows(report.by_auto));

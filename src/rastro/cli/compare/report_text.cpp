@@ -110,6 +110,8 @@ std::string comparison_as_text(const Comparison& comparison) {
     text += fmt::format("{}{} ({})\n{}", k == 0 ? "" : "\n", input.name, facts_text(input.facts),
                         aligned_text(rows_on(comparison, k, false)));
   }
+  if (const std::string part = interruption_text(comparison); !part.empty())
+    text += fmt::format("\n{}: medians and advice are of these alone.\n", part);
   text += "\nEach value is the median over seeds and repeats, the worst in parentheses where it differs.\n";
   return text + failures_text(comparison);
 }

@@ -67,12 +67,23 @@ std::vector<double> RunTrace::errors_m() const {
   return errors;
 }
 
+double RunTrace::posed_percent(std::int64_t of_frames) const {
+  if (of_frames <= 0 || !estimate.has_stamps) return scores.pairing.coverage_percent;
+  const Trajectory& truth = reference->input.poses;
+  const auto is_within = [&](const StampedPose& pose) {
+    return pose.stamp >= truth.front().stamp - pair_within && pose.stamp <= truth.back().stamp + pair_within;
+  };
+  const auto posed = std::count_if(estimate.poses.begin(), estimate.poses.end(), is_within);
+  return std::min(100.0, 100.0 * static_cast<double>(posed) / static_cast<double>(of_frames));
+}
+
 std::optional<RunTrace> TraceReader::read(const std::string& estimate, const std::string& ground_truth,
-                                          const std::string& alignment, const std::string& frames) {
+                                          const std::string& alignment, const std::string& frames, bool of_body) {
   if (ground_truth.empty() || alignment.empty()) return std::nullopt;
-  auto& reference = references_[{ground_truth, frames}];
+  auto& reference = references_[{ground_truth, frames, of_body}];
   TrajectoryFileFlags files;
   files.frames = frames;
+  if (of_body) files.estimate_of = "body";
   if (!reference)
     reference = std::make_shared<const ReferenceTrajectory>(read_reference(poses_beside(ground_truth), files));
   RunTrace trace;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "rastro/cli/benchmark/run_frames.h"
@@ -25,6 +26,9 @@ struct RunTrace {
   /// Seconds from the first pose of the reference, and the distance from it, of each matched pose.
   std::vector<double> times_s() const;
   std::vector<double> errors_m() const;
+  /// Share of the frames of the input with a pose, whether it was tracked or placed later; `frames`: their number,
+  /// 0: unknown, then of the poses of the ground truth.
+  double posed_percent(std::int64_t frames) const;
   bool is_tracked(TimeNs stamp) const { return frames.empty() || was_tracked(frames, stamp); }
 };
 
@@ -34,10 +38,10 @@ class TraceReader {
   /// `estimate`: run folder or trajectory file. `frames`: A:B of the recording, empty: all. nullopt where there is no
   /// ground truth of poses or no trajectory to align with it.
   std::optional<RunTrace> read(const std::string& estimate, const std::string& ground_truth,
-                               const std::string& alignment, const std::string& frames);
+                               const std::string& alignment, const std::string& frames, bool of_body = false);
 
  private:
-  std::map<std::pair<std::string, std::string>, std::shared_ptr<const ReferenceTrajectory>> references_;
+  std::map<std::tuple<std::string, std::string, bool>, std::shared_ptr<const ReferenceTrajectory>> references_;
 };
 
 /// Absolute trajectory errors (rmse) of two runs on the same input over the frames that both tracked, each with its own

@@ -43,13 +43,16 @@ const std::vector<UseCase>& use_cases() {
   return cases;
 }
 
-/// A method over those inputs of a use case on which it has an error.
+/// A method over those inputs of a use case on which it ran and an error can be measured.
 struct Candidate {
   std::string column;
   double completion = 0.0;  ///< Mean over the inputs of the medians.
   double missing = 0.0;     ///< Mean of how far that is below the mark of the input, points.
-  double log_error = 0.0;   ///< Mean logarithm of the error by the mark of the input.
+  double log_error = 0.0;   ///< Mean logarithm of the error by the mark of the input, where it has one.
   std::vector<std::size_t> inputs;
+  int failed = 0;  ///< Of these, inputs on which it gave no path.
+
+  bool is_out() const { return missing > completion_points || log_error > std::log(most_error_factor); }
 };
 
 std::vector<std::string> columns_of(const Comparison& comparison, const UseCase& use) {
@@ -68,29 +71,29 @@ Candidate candidate_of(const Comparison& comparison, const std::vector<std::size
   const ResultTable& table = comparison.table;
   for (const std::size_t input : inputs) {
     const std::string& name = comparison.inputs[input].name;
-    const auto error = table.median(name, column, "ate_m");
-    if (!error) continue;
     const MarkOnInput mark = mark_on(table, name, columns);
-    const double completion = table.median(name, column, "completion_percent").value_or(0.0);
+    const auto completed = table.median(name, column, "completion_percent");
+    if (!mark.error_m || !completed) continue;
+    const auto error = table.median(name, column, "ate_m");
+    const double completion = error ? *completed : 0.0;
     candidate.inputs.push_back(input);
     candidate.completion += completion;
     candidate.missing += mark.completion_percent - completion;
-    candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*mark.error_m, smallest_error_m));
+    candidate.failed += error ? 0 : 1;
+    if (error)
+      candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*mark.error_m, smallest_error_m));
   }
-  if (candidate.inputs.empty()) return candidate;
-  const auto count = static_cast<double>(candidate.inputs.size());
-  candidate.completion /= count, candidate.missing /= count, candidate.log_error /= count;
+  const auto count = static_cast<double>(candidate.inputs.size()), judged = count - candidate.failed;
+  if (judged < 1.0) return {.column = column};
+  candidate.completion /= count, candidate.missing /= count, candidate.log_error /= judged;
   return candidate;
 }
 
 /// Recommended first; then by error, those that complete too little last.
 std::vector<Candidate> ranked(std::vector<Candidate> candidates) {
   std::erase_if(candidates, [](const Candidate& each) { return each.inputs.empty(); });
-  const auto is_out = [](const Candidate& each) {
-    return each.missing > completion_points || each.log_error > std::log(most_error_factor);
-  };
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
-    return is_out(a) != is_out(b) ? is_out(b) : a.log_error < b.log_error;
+    return a.is_out() != b.is_out() ? b.is_out() : a.log_error < b.log_error;
   });
   return candidates;
 }
@@ -147,13 +150,24 @@ std::string next_text(const std::vector<Candidate>& candidates, const std::vecto
 }
 
 std::string why_text(const Candidate& best, std::size_t candidates, const std::string& inputs) {
-  if (candidates == 1) return fmt::format("{}: the only method for it that was run, on {}. ", best.column, inputs);
+  const std::string failed =
+      best.failed > 0 ? fmt::format("; it gave no path on {} of {} inputs", best.failed, best.inputs.size()) : "";
+  if (candidates == 1)
+    return fmt::format("{}: the only method for it that was named and gave a path, on {}{}. ", best.column, inputs,
+                       failed);
+  if (best.is_out())
+    return fmt::format(
+        "No method for it is both complete and accurate (within {:.0f} points of the most complete accurate one, at "
+        "most {:.0f} times the smallest error). {}: of the {} methods, judged on {}, it has the smallest error, and "
+        "tracks {:.0f} points less{}. ",
+        completion_points, most_error_factor, best.column, candidates, inputs, best.missing, failed);
   const double ratio = std::exp(best.log_error);
   return fmt::format(
       "{}: of the {} methods for it, judged on {}, it has the smallest error of those that track about as many frames "
-      "as the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
+      "as the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest "
+      "error){}{}. ",
       best.column, candidates, inputs, completion_points, most_error_factor,
-      ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
+      ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "", failed);
 }
 
 /// Where the runs of the best method are too short to tell much.
