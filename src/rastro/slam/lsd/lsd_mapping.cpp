@@ -11,6 +11,7 @@
 #include "rastro/slam/lsd/lsd_motion.h"
 #include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/refinement/final_refinement.h"
+#include "rastro/slam/lsd/refinement/frame_correction.h"
 #include "rastro/slam/lsd/tracking/pose_check.h"
 #include "rastro/slam/map_budget.h"
 
@@ -160,6 +161,7 @@ void LsdMapping::finish(SlamUpdate& update) {
       pools_.tracking, [this] { return is_stopped(); }, on_finishing_);
   if (!refinement.is_better()) return;
   graph_.set_poses(refinement.poses());
+  if (!sensor_.is_metric()) graph_.set_frames(frames_between_corrected_keyframes(graph_));
   update.events.push_back({"map_revised", summary});
 }
 

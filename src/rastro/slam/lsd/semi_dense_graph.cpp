@@ -189,8 +189,8 @@ void SemiDenseGraph::optimize() {
 
 std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, const Sim3& keyframe_from_pose, int most,
                                                const std::function<bool(std::int64_t)>& is_wanted) const {
-  constexpr double reach = 1.0, reach_rad = 0.6;  // in mean distances
-  const double per_unit = keyframe(id).mean_inverse_depth / reach;
+  constexpr double reach_rad = 0.6, reach = 1.3;  // in mean distances and these, together
+  const double per_unit = keyframe(id).mean_inverse_depth;
   const Sim3 pose_from_world = (pose(id) * keyframe_from_pose).inverse();
   std::vector<std::pair<double, std::int64_t>> found;
   for (std::int64_t other = 0; other < size(); ++other) {
@@ -199,7 +199,7 @@ std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, const Sim3& keyf
     const Sim3 pose_from_other = pose_from_world * pose(other);
     const double distance =
         per_unit * pose_from_other.translation().norm() + pose_from_other.rotation().log().norm() / reach_rad;
-    if (distance < 1.0) found.emplace_back(distance, other);
+    if (distance < reach) found.emplace_back(distance, other);
   }
   std::sort(found.begin(), found.end());
   std::vector<std::int64_t> ids;

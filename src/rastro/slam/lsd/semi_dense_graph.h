@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "rastro/base/time.h"
@@ -67,6 +68,11 @@ class SemiDenseGraph {
   bool forget_oldest(std::int64_t kept);
   std::size_t bytes() const;
   void add_frame(const PlacedFrame& frame) { frames_.push_back(frame); }
+  /// The same frames with other poses.
+  void set_frames(std::vector<PlacedFrame> frames) {
+    frames_ = std::move(frames);
+    ++revision_;
+  }
   /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
   void merge(const Constraint& edge);
   void optimize();
