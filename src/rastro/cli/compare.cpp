@@ -37,7 +37,7 @@ A list of 'rastro benchmark' says itself which methods run on what.
 --import adds the trajectory of another program (TUM, KITTI or EuRoC format), scored as ours: aligned by se3, or sim3 for one camera;
 its cloud is compared with the surfaces of generated rooms after the same alignment. @INPUT says of which of several inputs it is.
 Poses of another program are taken as the camera's; with 'body' they are of the body (EuRoC: the IMU). Complete is, of an import, the
-share of the input's frames with a pose; false are frames said to be tracked that are more than 0.1 m off, where a list of runs does not say otherwise.
+share of the input's frames with a pose; false are frames whose pose is more than 0.1 m off, where a list of runs does not say otherwise.
 --disturb makes the input wrong, stronger from run to run, until a method tracks less than 90 % of the frames that it tracked
 without, or its error doubles.
 

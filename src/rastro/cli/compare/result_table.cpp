@@ -114,7 +114,7 @@ const std::vector<FigureKind>& compare_figures() {
       {"inside_position_percent", "inside 95 % [%]", 0, true,
        "Positions inside the ellipse that should hold 95 % of them."},
       {"false_percent", "false [%]", 1, false,
-       "Frames said to be tracked that are farther off than the limit (0.1 m), of all frames."},
+       "Frames whose pose is farther off than the limit (0.1 m), of all frames."},
       {"frame_ms", "ms/frame", 1, false, "Time of the method per frame, mean."},
       {"frame_p95_ms", "95 % [ms]", 1, false, "The time that 95 % of the frames keep.", false},
       {"frames_per_second", "frames/s", 1, true, "1000 / (ms/frame)."},
