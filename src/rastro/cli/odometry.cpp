@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <tuple>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/hash.h"
@@ -62,7 +64,8 @@ ScaleSource scale_source(const std::string& text) {
 /// Everything that can be wrong with flags and input is found here, before a folder is made.
 struct Prepared {
   std::unique_ptr<OdometryMethod> method;
-  OptionTable table;  ///< Points into the method.
+  std::string choice;  ///< Why this one; empty: it was asked for by name.
+  OptionTable table;   ///< Points into the method.
   ScaleSource scale;
   RunInput input;
   std::optional<std::int64_t> frames;
@@ -96,21 +99,21 @@ Trajectory yaw_reference(const OdometryFlags& flags, const OptionTable& table) {
   return read_trajectory(flags.reference);
 }
 
-/// The method by its name, or of `auto` as the sensors of the recording have it.
-std::unique_ptr<OdometryMethod> method_for(const OdometryFlags& flags) {
-  if (flags.method != "auto") return odometry_method(flags.method);
+/// The method by its name, or of `auto` as the sensors of the recording have it, and why.
+std::pair<std::unique_ptr<OdometryMethod>, std::string> method_for(const OdometryFlags& flags) {
+  if (flags.method != "auto") return {odometry_method(flags.method), ""};
   if (is_live(flags.data.path))
     throw Error("cannot look at a live source beforehand", "--method auto", "give --method features or rgbd");
   OpenOptions open = open_options(flags.data);
   open.want_depth = true;
   const MethodChoice choice = odometry_choice(rastro::open(flags.data.path, open)->info());
   log_info(fmt::format("method {}: {}", choice.method, choice.reason));
-  return odometry_method(choice.method);
+  return {odometry_method(choice.method), choice.reason};
 }
 
 std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   auto run = std::make_unique<Prepared>();
-  run->method = method_for(flags);
+  std::tie(run->method, run->choice) = method_for(flags);
   run->table = run->method->options();
   if (is_preset(flags.preset, fmt::format("the method '{}'", run->method->name()), run->method->presets()))
     run->method->set_preset(flags.preset);
@@ -160,11 +163,12 @@ void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
 
 std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   const OdometryResult& result = end.result;
-  std::string text = fmt::format("{} frames, {} tracked", result.frames, result.tracking);
+  std::string text = fmt::format("{}: {} frames, {} tracked", result.method.name, result.frames, result.tracking);
   if (result.initializing > 0)
     text += fmt::format(", {} before initialization ({})", result.initializing,
                         end.trajectory.empty() ? "it never came" : "poses added afterwards");
   if (result.weak + result.lost > 0) text += fmt::format(", {} weak, {} lost", result.weak, result.lost);
+  if (!result.method.choice.empty()) text += "\nmethod chosen: " + result.method.choice;
   text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms per frame, {:.0f} MB\n", result.path_length, result.scale,
                       result.ms_per_frame_mean, result.peak_memory_mb);
   if (result.live) text += "live: " + summary_of(*result.live) + "\n";
@@ -228,6 +232,7 @@ void run_odometry(const OdometryFlags& flags) {
   const auto mcap = mcap_sink(flags.mcap, flags.out, prepared->method->name(), prepared->input.source->info());
   OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();
+  end.result.method = {prepared->method->name(), prepared->choice};
   finish_recording(prepared->input, end.result.live);
   apply_scale(*prepared, end);
   end.result.path_length = path_length(end.trajectory);

@@ -103,6 +103,8 @@ OdometryRunEnd odometry_run(const OdometryRun& run) { return Runner(run).run_to_
 std::string to_json(const OdometryResult& result) {
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   nlohmann::ordered_json json;
+  json["method"] = result.method.name;
+  if (!result.method.choice.empty()) json["method_choice"] = result.method.choice;
   json["frames"] = result.frames;
   json["skipped_frames"] = result.skipped_frames;
   json["coverage"] = rounded(result.coverage);

@@ -13,6 +13,7 @@
 #include "rastro/odometry/odometry.h"
 #include "rastro/sensor/source.h"
 #include "rastro/session/live_input.h"
+#include "rastro/session/method_in_use.h"
 #include "rastro/session/run_folder.h"
 
 namespace rastro {
@@ -39,6 +40,7 @@ struct OdometryRun {
 
 /// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct OdometryResult {
+  MethodInUse method;
   std::int64_t frames = 0;                                          ///< Processed.
   std::int64_t skipped_frames = 0;                                  ///< Could not be read.
   std::int64_t tracking = 0, weak = 0, lost = 0, initializing = 0;  ///< Frames in each state, as first reported.

@@ -11,6 +11,7 @@
 #include "rastro/input_check/input_warning.h"
 #include "rastro/map/graph/map.h"
 #include "rastro/session/live_statistics.h"
+#include "rastro/session/method_in_use.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/slam/slam.h"
 
@@ -42,11 +43,6 @@ struct SlamTiming {
 struct SlamMemory {
   double peak_mb = 0.0;  ///< Of the program, 10^6 bytes.
   MapMemory map;         ///< Of the map alone at the end, by the method's own count.
-};
-
-struct MethodInUse {
-  std::string name;
-  std::string choice;  ///< Of `auto`: the method that it chose last, and why; else empty.
 };
 
 /// The result of a run; the fields of its result.json. Percentages are 0 to 100.
