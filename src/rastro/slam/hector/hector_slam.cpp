@@ -67,7 +67,7 @@ class HectorSlam::State {
   std::size_t map_bytes() const { return graph_.bytes() + scans_.size() * sizeof(PosedScan); }
   std::string measures() const;
   void stay_within_budget(SlamUpdate& update);
-  void settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update);
+  void settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update, bool by_scan = false);
 
   HectorOptions options_;
   ScanFollower follower_;
@@ -139,7 +139,7 @@ void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamU
   if (!followed.unseen_direction && unseen_path_m_ > 0.0) keep_slip();
   unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + path_m : 0.0;
   if (followed.unseen_direction) slip_ = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
-  settle(frame, followed.local_from_body, update);
+  settle(frame, followed.local_from_body, update, followed.fits && followed.sees_all_directions);
   if (followed.fits && maps_ && update.reason == SlamReason::gap && options_.loop_closing) {
     begin_submap_after_gap(frame, scan, followed, update);
   } else if (followed.fits && maps_) {
@@ -187,8 +187,14 @@ void HectorSlam::State::carry_on(const Frame& frame, SlamUpdate& update, SlamRea
   settle(frame, guess_.guess(frame.stamp, frame.odometry_from_body).local_from_body, update);
 }
 
-void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update) {
-  guess_.settle(frame.stamp, frame.odometry_from_body, local_from_body);
+void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update, bool by_scan) {
+  const double scale = guess_.odometry_scale();
+  guess_.settle(frame.stamp, frame.odometry_from_body, local_from_body, by_scan);
+  if (guess_.odometry_scale() != scale)
+    update.events.push_back(
+        {"odometry_scale", fmt::format("scans move {:.3g} times as far as odometry, which is scaled "
+                                       "from here on",
+                                       guess_.odometry_scale())});
   const std::size_t keys = graph_.key_scans().size();
   scans_.push_back({frame.stamp, keys > 0 ? keys - 1 : 0, local_from_body});
   update.world_from_body = in_space(graph_.world_from_local() * local_from_body);

@@ -38,7 +38,8 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
   // Its first step after that is of the whole time, which the scans have followed.
   if (unmoved_ >= frozen_scans) return from_speed(stamp);
-  const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
+  const SE2 by_odometry = last_odometry_->inverse() * *odometry_from_body;
+  const SE2 moved(by_odometry.rotation(), scale_.factor() * by_odometry.translation());
   const double distance_m = moved.translation().norm(), angle = std::abs(moved.rotation().angle());
   if (jumps(distance_m, stamp) || !std::isfinite(angle) || odometry_is_given_up()) {
     jumped_ = true;
@@ -99,10 +100,20 @@ void MotionGuess::watch_odometry(const SE2& odometry_from_body, const SE2& moved
   }
 }
 
-void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body) {
+/// Odometry of another unit jumps, until it is known which.
+void MotionGuess::learn_scale(const SE2& odometry_from_body, const SE2& moved) {
+  if (!last_odometry_) return;
+  const double before = scale_.factor();
+  scale_.add((last_odometry_->inverse() * odometry_from_body).translation(), moved.translation());
+  if (scale_.factor() != before) distrust_ = 0.0;
+}
+
+void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body,
+                         bool by_scan) {
   if (started_) {
     const SE2 moved = last_.inverse() * local_from_body;
     if (odometry_from_body) watch_odometry(*odometry_from_body, moved);
+    if (odometry_from_body && by_scan) learn_scale(*odometry_from_body, moved);
     step_ << moved.translation(), moved.rotation().angle();
     step_ /= scans_since_last(stamp);
     if (jumps(moved.translation().norm(), stamp)) step_.setZero();

@@ -7,6 +7,7 @@
 
 #include "rastro/base/time.h"
 #include "rastro/math/se2.h"
+#include "rastro/slam/hector/odometry_scale.h"
 #include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/scan_follower.h"
 
@@ -22,7 +23,11 @@ class MotionGuess {
   bool odometry_jumped() const { return jumped_; }
   /// Whether odometry is used no more, because it jumped too often: its unit is wrong, or it is that of another drive.
   bool odometry_is_given_up() const;
-  void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
+  /// `by_scan`: the scan alone determined the pose, so that it tells whether odometry is right.
+  void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body,
+              bool by_scan = false);
+  /// Meters that the robot moves where odometry says one; 1 unless scans clearly say otherwise.
+  double odometry_scale() const { return scale_.factor(); }
   /// Seconds without scans before this one; 0 unless they are many periods.
   double gap_s(TimeNs stamp) const;
   const SE2& last() const { return last_; }
@@ -33,10 +38,12 @@ class MotionGuess {
   double scans_since_last(TimeNs stamp) const;
   bool jumps(double distance_m, TimeNs stamp) const;
   void watch_odometry(const SE2& odometry_from_body, const SE2& moved);
+  void learn_scale(const SE2& odometry_from_body, const SE2& moved);
 
   const HectorOptions& options_;
   SE2 last_;
   std::optional<SE2> last_odometry_;
+  OdometryScale scale_;
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, meters and radians.
   TimeNs last_stamp_ = 0;
   std::deque<double> periods_;  ///< Seconds between the last scans.

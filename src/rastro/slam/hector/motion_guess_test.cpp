@@ -206,6 +206,17 @@ TEST(MotionGuess, OdometryOfAnotherUnitIsGivenUp) {
   EXPECT_TRUE(guess.odometry_is_given_up());
 }
 
+TEST(MotionGuess, OdometryIsScaledOnceScansSayItsScale) {
+  const HectorOptions options;
+  for (const bool by_scan : {true, false}) {
+    MotionGuess guess(options);
+    for (int k = 0; k <= 100; ++k)
+      guess.settle(k * period, pose_of(0.1 * k, 0.0, 0.0), pose_of(0.05 * k, 0.0, 0.0), by_scan);
+    const double ahead = guess.guess(101 * period, pose_of(10.2, 0.0, 0.1)).local_from_body.translation().x() - 5.0;
+    EXPECT_NEAR(ahead, by_scan ? 0.1 : 0.2, 1e-9);
+  }
+}
+
 TEST(MotionGuess, ManyPeriodsWithoutAScanAreAGap) {
   const HectorOptions options;
   const MotionGuess guess = with_odometry(options);

@@ -104,6 +104,7 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   if (weak.share < options_.degenerate_ratio) followed.unseen_direction = direction;
   // The scan's influence along the direction grows from none at that share to full at three times that share.
   const double weight = std::clamp(1.5 - 0.5 * weak.share / options_.degenerate_ratio, 0.0, 1.0);
+  followed.sees_all_directions = weight == 0.0;
   if (guess.trusted && weight > 0.0) keep_guess_along(direction, weight, guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;

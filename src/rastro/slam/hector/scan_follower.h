@@ -19,6 +19,7 @@ struct FollowedScan {
   bool searched = false;                                 ///< The larger window was searched.
   bool fits = false;                                     ///< False: the pose is the guess.
   std::optional<Eigen::Vector2d> unseen_direction;       ///< Unit vector along which the scan gives no constraint.
+  bool sees_all_directions = false;                      ///< The scan alone determined the position.
 };
 
 /// The predicted pose before the scan is matched.
