@@ -71,7 +71,7 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   predict(frame, update);
   const std::vector<BodyObservation> observations = see(frame, update);
   update.times.push_back({"landmarks", stage.lap_ms()});
-  const std::vector<LandmarkAssociation> associations = associate(filter_, records_, observations, options_);
+  const std::vector<LandmarkAssociation> associations = recognize(frame, observations, update);
   correct(observations, associations, update);
   judge(associations, update);
   observe(observations, associations);
@@ -85,6 +85,7 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
 }
 
 void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
+  frozen_odometry_.add(frame);
   if (!last_.stamp) update.reason = SlamReason::first_frame;
   const Motion motion = last_.stamp ? motion_since_last(frame, update) : Motion();
   filter_.predict(motion.last_from_body, motion.covariance);
@@ -94,6 +95,7 @@ void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
 Motion EkfSlam::motion_since_last(const Frame& frame, SlamUpdate& update) {
   const double seconds = static_cast<double>(frame.stamp - *last_.stamp) * 1e-9;
   const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
+  if (frozen_odometry_.frozen()) return Motion();
   if (told && last_.odometry) return motion_by_odometry(*frame.odometry_from_body, seconds, update);
   doubt(update, SlamReason::no_odometry,
         told ? "the previous frame had none; constant motion is assumed" : "constant motion is assumed");
@@ -102,6 +104,9 @@ Motion EkfSlam::motion_since_last(const Frame& frame, SlamUpdate& update) {
 
 Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update) {
   const SE2 last_from_body = last_.odometry->inverse() * odometry_from_body;
+  const auto& thaw = frozen_odometry_.thaw();
+  if (is_jump(last_from_body, seconds, options_) && thaw && !is_jump(last_from_body, thaw->seconds, options_))
+    return motion_while_frozen(last_from_body, update);
   if (is_jump(last_from_body, seconds, options_)) {
     doubt(update, SlamReason::odometry_jumped,
           fmt::format("{:.3g} m and {:.0f} deg in {:.3g} s; constant motion is assumed",
@@ -112,6 +117,49 @@ Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds
   last_.motion = last_from_body;
   last_.seconds = seconds;
   return measured_motion(last_from_body, options_);
+}
+
+/// Odometry that was frozen: its first step is of the whole time, of which landmarks may have told a part.
+Motion EkfSlam::motion_while_frozen(const SE2& last_from_body, SlamUpdate& update) {
+  constexpr double sigma_share = 0.1;
+  const FrozenOdometry::Thaw& thaw = *frozen_odometry_.thaw();
+  doubt(update, SlamReason::odometry_jumped,
+        fmt::format("{:.3g} m and {:.0f} deg at once after {:.3g} s in which odometry stayed the same: believed, as no "
+                    "landmark tells otherwise",
+                    last_from_body.translation().norm(), last_from_body.rotation().angle() * degrees, thaw.seconds));
+  odometry_check_.interrupt();
+  Motion motion = measured_motion(SE2::exp(thaw.share * last_from_body.log()), options_);
+  const double distance = last_from_body.translation().norm(), angle = last_from_body.rotation().angle();
+  motion.covariance.diagonal() += (sigma_share * Eigen::Vector3d(distance, distance, angle)).cwiseAbs2();
+  return motion;
+}
+
+/// Of a body whose odometry is frozen, since a landmark was recognized.
+Motion EkfSlam::unknown_motion(double frame_seconds) const {
+  const double seconds = frozen_odometry_.unknown_frames() * frame_seconds;
+  return carried_motion(SE2(), seconds, seconds, options_);
+}
+
+/// The landmarks of the observations, where the body is now. They also tell whether it moved without odometry.
+std::vector<LandmarkAssociation> EkfSlam::recognize(const Frame& frame, std::span<const BodyObservation> observations,
+                                                    SlamUpdate& update) {
+  std::vector<LandmarkAssociation> associations;
+  if (!frozen_odometry_.frozen()) {
+    associations = associate(filter_, records_, observations, options_);
+    frozen_odometry_.judge(associations);
+  }
+  if (!frozen_odometry_.frozen()) return associations;
+  doubt(update, SlamReason::no_odometry, "odometry stays the same to the last bit while the body moves; not used");
+  odometry_check_.interrupt();
+  if (frozen_odometry_.lost()) {
+    associations.assign(observations.size(), {LandmarkAssociation::Kind::ambiguous});
+  } else if (!observations.empty()) {
+    const Motion motion = unknown_motion(static_cast<double>(frame.stamp - last_.stamp.value_or(frame.stamp)) * 1e-9);
+    filter_.predict(motion.last_from_body, motion.covariance);
+    associations = associate(filter_, records_, observations, options_);
+  }
+  frozen_odometry_.judge(associations);
+  return associations;
 }
 
 std::vector<BodyObservation> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
@@ -296,7 +344,9 @@ MapMemory EkfSlam::map_memory() const {
 
 void EkfSlam::say_pose(SlamUpdate& update) const {
   update.world_from_body = in_space(filter_.world_from_body());
-  update.covariance = in_space(filter_.body_covariance());
+  Eigen::Matrix3d covariance = filter_.body_covariance();
+  if (frozen_odometry_.lost()) covariance += unknown_motion(last_.seconds).covariance;
+  update.covariance = in_space(covariance);
 }
 
 std::vector<SlamEvent> EkfSlam::finish() {

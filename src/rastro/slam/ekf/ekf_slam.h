@@ -10,6 +10,7 @@
 #include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/ekf/association.h"
 #include "rastro/slam/ekf/filter.h"
+#include "rastro/slam/ekf/frozen_odometry.h"
 #include "rastro/slam/ekf/motion_model.h"
 #include "rastro/slam/ekf/odometry_check.h"
 #include "rastro/slam/ekf/options.h"
@@ -50,6 +51,10 @@ class EkfSlam : public Slam {
   void predict(const Frame& frame, SlamUpdate& update);
   Motion motion_since_last(const Frame& frame, SlamUpdate& update);
   Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
+  Motion unknown_motion(double frame_seconds) const;
+  Motion motion_while_frozen(const SE2& last_from_body, SlamUpdate& update);
+  std::vector<LandmarkAssociation> recognize(const Frame& frame, std::span<const BodyObservation> observations,
+                                             SlamUpdate& update);
   std::vector<BodyObservation> see(const Frame& frame, SlamUpdate& update) const;
   void correct(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
                SlamUpdate& update);
@@ -79,6 +84,7 @@ class EkfSlam : public Slam {
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
   std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.
   OdometryCheck odometry_check_;
+  FrozenOdometry frozen_odometry_;
 
   LastFrame last_;
   double blind_m_ = 0.0;  ///< Path length since a landmark was last recognized.

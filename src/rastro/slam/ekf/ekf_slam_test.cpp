@@ -200,6 +200,27 @@ TEST(EkfSlam, OdometryThatJumpsIsReportedAndNotUsed) {
   }
 }
 
+TEST(EkfSlam, LandmarksCarryItWhileOdometryStaysTheSame) {
+  const auto frame_with_two = [](std::int64_t index) {
+    Frame frame = frame_at(index);
+    const double x = frame.odometry_from_body->translation().x();
+    frame.landmarks.push_back({4, std::hypot(8.0 - x, 2.0), std::atan2(-2.0, 8.0 - x)});
+    return frame;
+  };
+  Drive drive;
+  while (drive.next < 20) drive.slam.process(frame_with_two(drive.next++));
+  const SE2 frozen = *frame_at(19).odometry_from_body;
+  int weak = 0;
+  for (int i = 0; i < 20; ++i) {
+    Frame frame = frame_with_two(drive.next++);
+    if (i < 15) frame.odometry_from_body = frozen;
+    weak += drive.slam.process(frame).reason == SlamReason::no_odometry ? 1 : 0;
+    EXPECT_NEAR(drive.x(), 0.1 * static_cast<double>(drive.next - 1), i < 5 ? 0.5 : 0.15) << i;
+  }
+  EXPECT_GE(weak, 11);
+  EXPECT_LE(weak, 16);
+}
+
 TEST(EkfSlam, ALongPathWithoutLandmarksIsWeak) {
   EkfSlam slam(EkfOptions(), false);
   SlamUpdate update;
