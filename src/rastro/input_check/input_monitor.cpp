@@ -9,6 +9,7 @@
 #include "rastro/input_check/depth_delay_check.h"
 #include "rastro/input_check/depth_scale_check.h"
 #include "rastro/input_check/focal_check.h"
+#include "rastro/input_check/landmark_check.h"
 #include "rastro/input_check/laser_check.h"
 #include "rastro/input_check/odometry_check.h"
 #include "rastro/input_check/stamp_check.h"
@@ -28,6 +29,7 @@ struct InputMonitor::Checks {
   void look(const Frame& frame, InputWarnings& found) {
     stamps.add(frame, found);
     laser.add(frame, found);
+    landmarks.add(frame, found);
     odometry.add(frame, found);
     stereo.add(frame, found);
     depth.add(frame, found);
@@ -51,6 +53,7 @@ struct InputMonitor::Checks {
 
   StampCheck stamps;
   LaserCheck laser;
+  LandmarkCheck landmarks;
   OdometryCheck odometry;
   StereoCheck stereo;
   DepthCheck depth;
