@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text_file.h"
+#include "rastro/sensor/trajectory_columns.h"
 
 namespace rastro {
 namespace {
@@ -80,7 +81,7 @@ const char* name_of(TrajectoryFormat format) {
 }  // namespace
 
 TrajectoryInput read_trajectory_input(const std::string& file, const std::string& times_file) {
-  const std::string text = read_text_file(file);
+  const std::string text = with_commented_names(read_text_file(file));
   TrajectoryInput input;
   input.file = file;
   input.format = guess_trajectory_format(text, file);

@@ -13,10 +13,12 @@
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/sensor/stamp_text.h"
+#include "rastro/sensor/trajectory_columns.h"
 
 namespace rastro {
 namespace {
 
+constexpr TrajectoryColumns tum_columns{{1, 2, 3}, {4, 5, 6, 7}}, euroc_columns{{1, 2, 3}, {5, 6, 7, 4}};
 constexpr double quaternion_tolerance = 0.1;
 constexpr double rotation_tolerance = 0.02;
 
@@ -64,6 +66,13 @@ Trajectory in_order_of_time(Trajectory trajectory, std::string_view where) {
   return trajectory;
 }
 
+SE3 pose_of(std::span<const std::string_view> words, const TrajectoryColumns& columns, const std::string& where) {
+  const auto at = [&](std::size_t column) { return number_at(words, column, where); };
+  const auto& [x, y, z, w] = columns.orientation;
+  const auto& [tx, ty, tz] = columns.position;
+  return pose_from(Eigen::Quaterniond(at(w), at(x), at(y), at(z)), {at(tx), at(ty), at(tz)}, where);
+}
+
 /// Words of a line, separated by commas or blanks.
 std::vector<std::string_view> columns(std::string_view line) {
   return line.find(',') != std::string_view::npos ? split(line, ',') : split_words(line);
@@ -99,6 +108,8 @@ Trajectory read_kitti(const std::string& text, const std::string& file, const st
 
 Trajectory parse_tum_trajectory(std::string_view text, std::string_view where, StampUnit unit) {
   Trajectory trajectory;
+  TrajectoryColumns order = named_columns(text).value_or(tum_columns);
+  if (order.last() > 7) order = tum_columns;
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
     const auto words = columns(line.text);
@@ -106,15 +117,14 @@ Trajectory parse_tum_trajectory(std::string_view text, std::string_view where, S
       throw Error(fmt::format("{} columns instead of the 8 of 'stamp tx ty tz qx qy qz qw'", words.size()), here, "");
     }
     const auto stamp = stamp_at(words[0], unit, here);
-    std::array<double, 8> n{};
-    for (std::size_t i = 1; i < 8; ++i) n[i] = number_at(words, i, here);
-    trajectory.push_back({stamp, pose_from(Eigen::Quaterniond(n[7], n[4], n[5], n[6]), {n[1], n[2], n[3]}, here)});
+    trajectory.push_back({stamp, pose_of(words, order, here)});
   }
   return in_order_of_time(std::move(trajectory), where);
 }
 
 Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where, StampUnit unit) {
   Trajectory trajectory;
+  const TrajectoryColumns order = named_columns(text).value_or(euroc_columns);
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
     const auto words = split(line.text, ',');
@@ -123,9 +133,9 @@ Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where,
                   here, "");
     }
     const auto stamp = stamp_at(words[0], unit, here);
-    std::array<double, 8> n{};
-    for (std::size_t i = 1; i < 8; ++i) n[i] = number_at(words, i, here);
-    trajectory.push_back({stamp, pose_from(Eigen::Quaterniond(n[4], n[5], n[6], n[7]), {n[1], n[2], n[3]}, here)});
+    if (words.size() <= order.last())
+      throw Error(fmt::format("{} columns instead of the {} that are named", words.size(), order.last() + 1), here, "");
+    trajectory.push_back({stamp, pose_of(words, order, here)});
   }
   return in_order_of_time(std::move(trajectory), where);
 }
@@ -187,7 +197,7 @@ TrajectoryFormat guess_trajectory_format(std::string_view text, std::string_view
 }
 
 Trajectory read_trajectory(const std::string& file, const std::string& times_file) {
-  const auto text = read_text_file(file);
+  const auto text = with_commented_names(read_text_file(file));
   switch (guess_trajectory_format(text, file)) {
     case TrajectoryFormat::tum:
       return parse_tum_trajectory(text, file);

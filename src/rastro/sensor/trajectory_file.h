@@ -12,6 +12,7 @@
 namespace rastro {
 
 enum class TrajectoryFormat {
+  // Where a line names the columns before the first pose, their order is that.
   tum,    ///< "stamp tx ty tz qx qy qz qw", seconds, spaces.
   euroc,  ///< "stamp,px,py,pz,qw,qx,qy,qz[,...]", nanoseconds, commas.
   kitti,  ///< 12 numbers per line, the upper 3x4 of the pose, row by row; no stamps.
