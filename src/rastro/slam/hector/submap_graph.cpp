@@ -156,8 +156,9 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_s
   std::vector<Candidate> candidates;
   const std::vector<double> unconstrained_m = unconstrained_paths(key_scans_[key_scan]);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    if (!submaps_[s]->finished() || submaps_[s]->released() || made_by(s, key_scan)) continue;
-    if (!near_only && key_scan < submaps_[s]->key_scans().back()) continue;
+    const std::vector<std::size_t>& scans = submaps_[s]->key_scans();  // none if missing scans followed its beginning
+    if (!submaps_[s]->finished() || submaps_[s]->released() || scans.empty() || made_by(s, key_scan)) continue;
+    if (!near_only && key_scan < scans.back()) continue;
     Candidate candidate{s, key_scan, 0.0, 0.0, !near_only};
     if (!near_only) {
       candidate.reach_m =

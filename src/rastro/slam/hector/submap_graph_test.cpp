@@ -155,6 +155,20 @@ TEST(SubmapGraph, NoLoopToAnUnfinishedSubmapOrToTheScansOwn) {
   EXPECT_EQ(graph.constrain_neighbors(), 0) << "nor do those in its middle";
 }
 
+TEST(SubmapGraph, ASubmapThatEndedBeforeItsFirstScanClosesNoLoop) {
+  const MatchedDrive matched = drifting();
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph);
+  const std::size_t empty = graph.add_submap(SE2());
+  graph.submaps()[empty]->finish();
+  ASSERT_TRUE(graph.key_scans_of(empty).empty());
+  EXPECT_GT(graph.search_loops(6), 0);
+  graph.constrain_neighbors();
+  for (const ClosedLoop& loop : graph.loops()) EXPECT_NE(loop.submap, empty);
+  graph.optimize();
+  EXPECT_GT(graph.constraints().size(), 0U);
+}
+
 TEST(SubmapGraph, AnotherRoomIsNotMatchedToTheFirst) {
   MatchedDrive matched = drifting();
   SubmapGraph graph(matched.options, nullptr);
