@@ -25,7 +25,7 @@ namespace {
 constexpr const char* evaluate_trajectory_footer =
     R"(REF and EST are trajectory files in TUM (timestamp tx ty tz qx qy qz qw), KITTI (12 numbers a line) or EuRoC format
 (timestamp,x,y,z,qw,qx,qy,qz,...), or run folders (their trajectory.txt); REF may also be a recording with ground truth. Format
-and unit of the timestamps are detected.
+and unit of the timestamps are detected; where a header names the columns, their order is that.
   matched     poses of REF and EST whose timestamps differ by at most --max-dt, nearest first, one to one. KITTI poses have the
               timestamps of FILE_times.txt or times.txt beside them; two KITTI files are matched line by line,
               unless they differ in length and both have timestamps
