@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "rastro/input_check/share_near.h"
 #include "rastro/math/median.h"
 
 namespace rastro {
@@ -14,14 +14,7 @@ namespace {
 // Over a motion in this range the errors of ranges and headings are small beside it.
 constexpr double compared_m = 0.5, longest_m = 2.0, largest_rad = 0.6;
 constexpr std::size_t least_ratios = 12, most_ratios = 400;
-constexpr double most_ratio = 1.35, ratio_spread = 0.15, least_agreeing = 0.6, most_right = 0.15;
-
-double share_near(const std::vector<double>& ratios, double center) {
-  const auto near = std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
-    return std::abs(ratio - center) < ratio_spread * std::abs(center);
-  });
-  return static_cast<double>(near) / static_cast<double>(ratios.size());
-}
+constexpr double most_ratio = 1.35, least_agreeing = 0.6, most_right = 0.15;
 
 }  // namespace
 
@@ -35,7 +28,7 @@ void LandmarkCheck::add(const Frame& frame, InputWarnings& found) {
   judge(found);
 }
 
-void LandmarkCheck::compare(std::int64_t id, const Sighting& now) {
+void LandmarkCheck::compare(std::int64_t id, const Observation& now) {
   const auto [found, fresh] = first_.try_emplace(id, now);
   if (fresh) return;
   const SE2 motion = found->second.odometry_from_body.inverse() * now.odometry_from_body;

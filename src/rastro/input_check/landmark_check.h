@@ -20,16 +20,16 @@ class LandmarkCheck {
   void add(const Frame& frame, InputWarnings& found);
 
  private:
-  struct Sighting {
+  struct Observation {
     SE2 odometry_from_body;
     Eigen::Vector2d in_body;  ///< Meters.
   };
 
-  void compare(std::int64_t id, const Sighting& now);
+  void compare(std::int64_t id, const Observation& now);
   void judge(InputWarnings& found);
 
-  std::map<std::int64_t, Sighting> first_;  ///< By id, since the last comparison.
-  std::vector<double> ratios_;              ///< Motion against the landmark / by odometry.
+  std::map<std::int64_t, Observation> first_;  ///< By id, since the last comparison.
+  std::vector<double> ratios_;                 ///< Motion against the landmark / by odometry.
   bool told_ = false;
 };
 

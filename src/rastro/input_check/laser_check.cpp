@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "rastro/input_check/share_near.h"
 #include "rastro/math/median.h"
 
 namespace rastro {
@@ -23,7 +24,7 @@ constexpr double clear_m = 0.25, clear_rad = 0.15;
 constexpr double least_observed = 0.15;  // Of the direction of motion; along a corridor nothing is known.
 constexpr int least_yaws = 4, least_forwards = 6;
 constexpr std::size_t least_ratios = 8;
-constexpr double most_ratio = 1.35, ratio_spread = 0.15, least_agreeing = 0.6, most_right = 0.15;
+constexpr double most_ratio = 1.35, least_agreeing = 0.6, most_right = 0.15;
 
 int returns_in(const LaserScan& scan) {
   int returns = 0;
@@ -34,12 +35,6 @@ int returns_in(const LaserScan& scan) {
 /// To the last bit, whatever the values are.
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
-
-double share_near(const std::vector<double>& ratios, double center) {
-  const auto near = std::count_if(ratios.begin(), ratios.end(),
-                                  [&](double ratio) { return std::abs(ratio / center - 1.0) < ratio_spread; });
-  return static_cast<double>(near) / static_cast<double>(ratios.size());
 }
 
 }  // namespace

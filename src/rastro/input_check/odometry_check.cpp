@@ -7,13 +7,10 @@
 #include <numbers>
 
 #include "rastro/math/median.h"
+#include "rastro/math/same_pose.h"
 
 namespace rastro {
 namespace {
-
-bool same_pose(const SE2& a, const SE2& b) {
-  return a.translation() == b.translation() && a.rotation().angle() == b.rotation().angle();
-}
 
 double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 

@@ -28,7 +28,8 @@ std::optional<std::size_t> part_named(std::string_view name) {
   const std::size_t axis = std::string_view("xyzw").find(name.back());
   if (axis == std::string_view::npos) return std::nullopt;
   const auto has = [&](std::string_view part) { return name.find(part) != std::string_view::npos; };
-  if (has("vel") || has("acc") || has("ang") || has("bias") || name.starts_with("v") || name.starts_with("b"))
+  if (has("vel") || has("twist") || has("linear") || has("acc") || has("ang") || has("bias") || name.starts_with("v") ||
+      name.starts_with("b"))
     return std::nullopt;
   if (name.starts_with("q") || has("orientation") || has("quat")) return 3 + axis;
   const bool of_position =

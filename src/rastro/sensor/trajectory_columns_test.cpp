@@ -28,6 +28,10 @@ TEST(TrajectoryColumns, AreThoseThatTheHeaderNames) {
   EXPECT_EQ(order_of("time,.pose.position.x,.pose.position.y,.pose.position.z,.pose.orientation.x,.pose.orientation.y,"
                      ".pose.orientation.z,.pose.orientation.w\n"),
             "1 2 3 4 5 6 7 ");
+  EXPECT_EQ(order_of("%time,field.twist.linear.x,field.twist.linear.y,field.twist.linear.z,field.pose.position.x,"
+                     "field.pose.position.y,field.pose.position.z,field.pose.orientation.x,field.pose.orientation.y,"
+                     "field.pose.orientation.z,field.pose.orientation.w\r\n"),
+            "4 5 6 7 8 9 10 ");
 }
 
 TEST(TrajectoryColumns, WithoutAllSevenNamesThereIsNoOrder) {

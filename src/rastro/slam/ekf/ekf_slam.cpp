@@ -72,6 +72,7 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   const std::vector<BodyObservation> observations = see(frame, update);
   update.times.push_back({"landmarks", stage.lap_ms()});
   const std::vector<LandmarkAssociation> associations = recognize(frame, observations, update);
+  frozen_odometry_.end_frame(associations);
   correct(observations, associations, update);
   judge(associations, update);
   observe(observations, associations);
@@ -105,9 +106,10 @@ Motion EkfSlam::motion_since_last(const Frame& frame, SlamUpdate& update) {
 Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update) {
   const SE2 last_from_body = last_.odometry->inverse() * odometry_from_body;
   const auto& thaw = frozen_odometry_.thaw();
-  if (is_jump(last_from_body, seconds, options_) && thaw && !is_jump(last_from_body, thaw->seconds, options_))
-    return motion_while_frozen(last_from_body, update);
-  if (is_jump(last_from_body, seconds, options_)) {
+  const bool jump = is_jump(last_from_body, seconds, options_);
+  if (thaw && (jump || thaw->frozen) && !is_jump(last_from_body, thaw->seconds, options_))
+    return motion_after_frozen(last_from_body, update);
+  if (jump) {
     doubt(update, SlamReason::odometry_jumped,
           fmt::format("{:.3g} m and {:.0f} deg in {:.3g} s; constant motion is assumed",
                       last_from_body.translation().norm(), last_from_body.rotation().angle() * degrees, seconds));
@@ -120,7 +122,7 @@ Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds
 }
 
 /// Odometry that was frozen: its first step is of the whole time, of which landmarks may have told a part.
-Motion EkfSlam::motion_while_frozen(const SE2& last_from_body, SlamUpdate& update) {
+Motion EkfSlam::motion_after_frozen(const SE2& last_from_body, SlamUpdate& update) {
   constexpr double sigma_share = 0.1;
   const FrozenOdometry::Thaw& thaw = *frozen_odometry_.thaw();
   doubt(update, SlamReason::odometry_jumped,
@@ -158,7 +160,6 @@ std::vector<LandmarkAssociation> EkfSlam::recognize(const Frame& frame, std::spa
     filter_.predict(motion.last_from_body, motion.covariance);
     associations = associate(filter_, records_, observations, options_);
   }
-  frozen_odometry_.judge(associations);
   return associations;
 }
 

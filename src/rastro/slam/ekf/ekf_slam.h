@@ -52,7 +52,7 @@ class EkfSlam : public Slam {
   Motion motion_since_last(const Frame& frame, SlamUpdate& update);
   Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
   Motion unknown_motion(double frame_seconds) const;
-  Motion motion_while_frozen(const SE2& last_from_body, SlamUpdate& update);
+  Motion motion_after_frozen(const SE2& last_from_body, SlamUpdate& update);
   std::vector<LandmarkAssociation> recognize(const Frame& frame, std::span<const BodyObservation> observations,
                                              SlamUpdate& update);
   std::vector<BodyObservation> see(const Frame& frame, SlamUpdate& update) const;

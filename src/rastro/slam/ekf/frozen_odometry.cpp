@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/math/same_pose.h"
+
 namespace rastro {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr int fewest_unmoved = 3, fewest_landmarks = 2;
 constexpr double clear_sigmas = 6.0;
 /// People who walk by change fewer beams.
 constexpr double moved_share = 0.4, still_share = 0.15, clear_m = 0.15, clear_range_share = 0.03;
-
-bool same_pose(const SE2& a, const SE2& b) {
-  return a.translation() == b.translation() && a.rotation().angle() == b.rotation().angle();
-}
 
 }  // namespace
 
@@ -47,7 +45,8 @@ void FrozenOdometry::add_unmoved(const Frame& frame) {
 void FrozenOdometry::add_moved(const Frame& frame) {
   const double seconds = 1e-9 * static_cast<double>(now_ - since_);
   const double blind = 1e-9 * static_cast<double>(now_ - std::max(since_, recognized_));
-  if (unmoved_ >= fewest_unmoved && blind_ >= std::min(unmoved_, most_blind)) thaw_ = Thaw{seconds, blind / seconds};
+  if (unmoved_ >= fewest_unmoved && blind_ >= std::min(unmoved_, most_blind))
+    thaw_ = Thaw{seconds, blind / seconds, frozen_};
   // Its first step is no motion since the last frame unless nothing else told how the body moved.
   frozen_ = frozen_ && !thaw_ && unmoved_ > 0;
   unmoved_ = 0;
@@ -70,22 +69,27 @@ double FrozenOdometry::changed_share(const LaserScan& scan) const {
 
 void FrozenOdometry::judge(std::span<const LandmarkAssociation> associations) {
   using Kind = LandmarkAssociation::Kind;
-  int known = 0, recognized = 0;
+  int known = 0;
   double sum = 0.0;
   for (const auto& [kind, landmark, distance] : associations) {
     if (kind != Kind::landmark && kind != Kind::contradicting) continue;
     ++known;
-    recognized += kind == Kind::landmark ? 1 : 0;
     sum += distance;
   }
-  blind_ = recognized > 0 ? 0 : blind_ + 1;
-  if (recognized > 0) recognized_ = now_;
   const double degrees_of_freedom = 2.0 * known;
   const bool moved =
       known >= fewest_landmarks && sum > degrees_of_freedom + clear_sigmas * std::sqrt(2.0 * degrees_of_freedom);
   // Landmarks that were off before tell of a wrong map.
   if (unmoved_ < fewest_unmoved) fitted_ = known >= fewest_landmarks && !moved;
   if (!frozen_ && unmoved_ >= fewest_unmoved) frozen_ = moved && fitted_ && !scan_still_;
+}
+
+void FrozenOdometry::end_frame(std::span<const LandmarkAssociation> associations) {
+  const bool recognized = std::any_of(associations.begin(), associations.end(), [](const LandmarkAssociation& one) {
+    return one.kind == LandmarkAssociation::Kind::landmark;
+  });
+  blind_ = recognized ? 0 : blind_ + 1;
+  if (recognized) recognized_ = now_;
 }
 
 }  // namespace rastro

@@ -15,10 +15,12 @@ namespace rastro {
 /// stands still has the same odometry, but sees its landmarks where they were, and nearly the same scan.
 class FrozenOdometry {
  public:
-  /// Of each frame, before the others. Its first step after that is of the whole time.
+  /// Each frame, before its landmarks are associated.
   void add(const Frame& frame);
-  /// Associations of the same frame, made as if the body had not moved.
+  /// Associations of this frame, made as if the body had not moved.
   void judge(std::span<const LandmarkAssociation> associations);
+  /// The associations with which this frame corrects the filter.
+  void end_frame(std::span<const LandmarkAssociation> associations);
   /// The body moves, and odometry does not tell.
   bool frozen() const { return frozen_; }
   /// Frozen, and without a landmark for so long that the next one could be mistaken for another.
@@ -26,10 +28,12 @@ class FrozenOdometry {
   /// Frames up to this one, one at least, over which neither odometry nor a landmark told the motion.
   int unknown_frames() const { return std::max(1, std::min(unmoved_, blind_ + 1)); }
 
-  /// Odometry that changes again after it stayed the same, if no landmark told the motion lately.
+  /// Odometry that changes again after it stayed the same, if no landmark told the motion lately. Its first step is of
+  /// the whole time.
   struct Thaw {
     double seconds = 0.0;  ///< Over which it stayed the same.
     double share = 1.0;    ///< Of them, without a landmark.
+    bool frozen = false;   ///< The body was seen to move meanwhile.
   };
   /// With this frame.
   const std::optional<Thaw>& thaw() const { return thaw_; }

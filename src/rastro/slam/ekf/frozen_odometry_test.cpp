@@ -27,6 +27,11 @@ Frame frame_at(int k, double odometry_x, float range, std::size_t beams = 100) {
   return frame;
 }
 
+void see(FrozenOdometry& odometry, const std::vector<LandmarkAssociation>& associations) {
+  odometry.judge(associations);
+  odometry.end_frame(associations);
+}
+
 /// A robot that drives for 10 frames, then 20 frames with the same odometry. Landmarks at these squared distances.
 FrozenOdometry after_20_frames(float range_change, const std::vector<LandmarkAssociation>& seen,
                                const std::vector<LandmarkAssociation>& seen_before, std::size_t beams = 100) {
@@ -34,7 +39,7 @@ FrozenOdometry after_20_frames(float range_change, const std::vector<LandmarkAss
   for (int k = 0; k < 30; ++k) {
     odometry.add(
         frame_at(k, 0.05 * std::min(k, 9), k < 10 ? 5.0F : 5.0F + range_change * static_cast<float>(k - 9), beams));
-    odometry.judge(k < 12 ? seen_before : seen);
+    see(odometry, k < 12 ? seen_before : seen);
     EXPECT_TRUE(k > 11 || !odometry.frozen());
   }
   return odometry;
@@ -60,7 +65,7 @@ TEST(FrozenOdometry, PeopleWhoWalkByDoNot) {
     Frame frame = frame_at(k, 1.0, 5.0F);
     for (std::size_t beam = 0; beam < 15; ++beam) frame.scan->ranges[(beam + static_cast<std::size_t>(k)) % 100] = 2.0F;
     odometry.add(frame);
-    odometry.judge({});
+    see(odometry, {});
     EXPECT_FALSE(odometry.frozen()) << k;
   }
 }
@@ -73,8 +78,9 @@ TEST(FrozenOdometry, ItsFirstStepIsOfTheWholeTimeWhereNoLandmarkTold) {
   ASSERT_TRUE(blind.thaw());
   EXPECT_NEAR(blind.thaw()->seconds, 2.1, 1e-9);
   EXPECT_EQ(blind.thaw()->share, 1.0);
+  EXPECT_TRUE(blind.thaw()->frozen);
   EXPECT_FALSE(blind.frozen());
-  blind.judge({});
+  see(blind, {});
   blind.add(frame_at(31, 1.55, 4.0F));
   EXPECT_FALSE(blind.thaw());
 }
@@ -83,7 +89,7 @@ TEST(FrozenOdometry, LandmarksMayTellAPartOfIt) {
   FrozenOdometry odometry = after_20_frames(-0.05F, fit, fit);
   for (int k = 30; k < 50; ++k) {
     odometry.add(frame_at(k, 0.45, 4.0F));
-    odometry.judge({});
+    see(odometry, {});
     EXPECT_EQ(odometry.lost(), k >= 35) << k;
   }
   odometry.add(frame_at(50, 2.5, 3.0F));
@@ -97,7 +103,7 @@ TEST(FrozenOdometry, WhereLandmarksToldItsFirstStepIsNone) {
   told.add(frame_at(30, 1.5, 4.0F));
   EXPECT_TRUE(told.frozen());
   EXPECT_FALSE(told.thaw());
-  told.judge({});
+  see(told, {});
   told.add(frame_at(31, 1.55, 4.0F));
   EXPECT_FALSE(told.frozen());
 }

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <vector>
 
+#include "rastro/math/same_pose.h"
+
 namespace rastro {
 namespace {
 
@@ -23,10 +25,6 @@ constexpr int frozen_scans = 10;
 constexpr double clear_step_m = 0.02, clear_step_rad = 0.02;
 /// After this many jumps, each made up for by 20 plausible steps, odometry is used no more: its unit is wrong.
 constexpr double most_distrust = 10.0, trust_of_step = 0.05;
-
-bool same_pose(const SE2& a, const SE2& b) {
-  return a.translation() == b.translation() && a.rotation().angle() == b.rotation().angle();
-}
 
 double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 
@@ -100,12 +98,12 @@ void MotionGuess::watch_odometry(const SE2& odometry_from_body, const SE2& moved
   }
 }
 
-/// Odometry of another unit jumps, until it is known which.
+/// Odometry may have jumped because of its scale, until that is known.
 void MotionGuess::learn_scale(const SE2& odometry_from_body, const SE2& moved) {
   if (!last_odometry_) return;
   const double before = scale_.factor();
   scale_.add((last_odometry_->inverse() * odometry_from_body).translation(), moved.translation());
-  if (scale_.factor() != before) distrust_ = 0.0;
+  if (before == 1.0 && scale_.factor() != 1.0) distrust_ = 0.0;
 }
 
 void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body,

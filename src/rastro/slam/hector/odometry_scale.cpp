@@ -15,6 +15,8 @@ constexpr std::size_t fewest_stretches = 6, most_stretches = 30;
 constexpr double spread = 0.15, least_alike = 0.8;
 /// Slip, tire pressure and the cells of the map explain less than this.
 constexpr double clearly_other = 1.25;
+/// Once another one is found, smaller changes are noise.
+constexpr double refined = 0.02;
 /// Beyond this it is a matter of units, in which the laser's place on the robot is wrong as well.
 constexpr double other_unit = 4.0;
 
@@ -39,7 +41,8 @@ void OdometryScale::judge() {
   if (static_cast<double>(alike) < least_alike * static_cast<double>(ratios_.size())) return;
   if (std::abs(usual) < 1.0 / other_unit || std::abs(usual) > other_unit) return;
   const bool right = usual > 1.0 / clearly_other && usual < clearly_other;
-  if (factor_ != 1.0 || !right) factor_ = usual;
+  const bool found = factor_ != 1.0;
+  if (found ? std::abs(usual / factor_ - 1.0) > refined : !right) factor_ = usual;
 }
 
 }  // namespace rastro
