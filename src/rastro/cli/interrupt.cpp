@@ -25,14 +25,26 @@ extern "C" void note_interrupt(int signal) {
   std::raise(signal);
 }
 
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+int install_handlers() {
+  sem_init(&interrupts, 0, 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    // 'nohup rastro ...' is not to be interrupted.
+    if (signal != SIGHUP || !is_ignored(signal)) std::signal(signal, note_interrupt);
+  // Whoever reads what is printed may be gone ('rastro ... | tee log' and Ctrl-C); the results are written all the
+  // same.
+  std::signal(SIGPIPE, SIG_IGN);
+  return 0;
+}
+
 }  // namespace
 
 const std::atomic<bool>& catch_interrupts() {
-  [[maybe_unused]] static const int once = sem_init(&interrupts, 0, 0);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    // 'nohup rastro ...' is not to be interrupted.
-    if (std::signal(signal, note_interrupt) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
-  }
+  [[maybe_unused]] static const int once = install_handlers();
   return interrupted;
 }
 

@@ -177,6 +177,7 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSlam*
   };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
   run.map_file = prepared.map_file.get();
+  run.initial_pose = prepared.context.initial_pose.value_or(SE3());
   run.max_memory_bytes = prepared.context.max_memory_bytes;
   return run;
 }

@@ -65,6 +65,12 @@ void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float
   }
   const Vector3f &a = corners[from], &b = corners[(from + 1) % 3], &c = corners[(from + 2) % 3];
   const Vector3f middle = 0.5F * (a + b);
+  // Of coordinates as large as those of a country, the middle is one of the ends.
+  if (middle == a || middle == b) {
+    samples.at.push_back(middle);
+    samples.triangle.push_back(triangle);
+    return;
+  }
   cover({a, middle, c}, triangle, spacing, samples);
   cover({middle, b, c}, triangle, spacing, samples);
 }

@@ -35,7 +35,7 @@ void Vocabulary::number_words() {
 }
 
 BagOfWords Vocabulary::words_of(std::span<const Descriptor> descriptors, int node_depth) const {
-  RASTRO_CHECK(node_depth >= 1 && node_depth <= depth_, "a depth of the tree");
+  RASTRO_CHECK(node_depth >= 1, "a depth of the tree");
   BagOfWords bag;
   bag.nodes.reserve(descriptors.size());
   std::vector<std::pair<std::uint32_t, float>> found;

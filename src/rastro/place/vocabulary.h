@@ -58,7 +58,7 @@ class Vocabulary {
   std::size_t nodes() const { return centers_.size(); }
 
   /// Each feature's word, with its weight times its count, normalized to a sum of 1. `node_depth` (1..depth) is that of
-  /// BagOfWords::nodes: 0 is the root.
+  /// BagOfWords::nodes: 0 is the root; a tree that is not as deep is marked at its words.
   BagOfWords words_of(std::span<const Descriptor> descriptors, int node_depth = 2) const;
 
  private:

@@ -2,6 +2,7 @@
 #include "rastro/session/frame_recorder.h"
 
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "rastro/base/error.h"
@@ -21,7 +22,11 @@ void FrameRecorder::add(const Frame& frame) {
     ++statistics_.dropped;
     return;
   }
-  queue_.push_back(frame);
+  try {
+    queue_.push_back(frame);
+  } catch (const std::bad_alloc&) {
+    ++statistics_.dropped;  // the run goes on
+  }
   filled_.notify_one();
 }
 

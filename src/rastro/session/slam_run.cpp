@@ -66,7 +66,11 @@ class Runner {
 
   SlamRunEnd run_to_the_end() {
     RunLoopEnd loop = run_loop(reader_, run_.live, run_.stop, [this](Frame& frame) { process(frame); });
+    // A method that failed still has a trajectory and a map.
     run_guarded(loop, [this] { finish(); });
+    run_guarded(loop, [this] { end_.trajectory = run_.method->trajectory(); });
+    run_guarded(loop, [this] { end_.places = run_.method->places(); });
+    run_guarded(loop, [this] { take_map(); });
     end_.failure = loop.failure;
     end_.result.interrupted = loop.interrupted;
     end_.result.ended = loop.ended;
@@ -80,7 +84,8 @@ class Runner {
     Stopwatch watch;
     SlamUpdate update = run_.method->process(frame);
     if (update.covariance && calibration_error_ > 0.0)
-      update.covariance = with_calibration_error(*update.covariance, update.world_from_body, calibration_error_);
+      update.covariance = with_calibration_error(
+          *update.covariance, run_.initial_pose.inverse() * update.world_from_body, calibration_error_);
     update.milliseconds = watch.lap_ms();
     if (run_.live) run_.live->note_pose();
     count(update);
@@ -123,12 +128,13 @@ class Runner {
     add_time("finish", milliseconds);
     end_.result.timing.method_seconds += milliseconds / 1e3;
     note(last_index_, events);
+  }
+
+  void take_map() {
     end_.result.memory.map = run_.method->map_memory();
-    end_.trajectory = run_.method->trajectory();
-    end_.places = run_.method->places();
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
-    watch.lap_ms();
+    Stopwatch watch;
     name_recording();
     run_.map_file->finish(*end_.map);
     add_time("map_file", watch.lap_ms());

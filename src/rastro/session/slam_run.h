@@ -42,6 +42,7 @@ struct SlamRun {
   std::function<GrayView(const Frame&)> mask_of;  ///< The mask for each frame; empty: nothing is masked.
   /// The archive given to the method, which gets the final map; may be null.
   GrowingMapFile* map_file = nullptr;
+  SE3 initial_pose;  ///< Of the body at the first frame, in the world: calibration errors grow from there.
   std::size_t max_memory_bytes = 0;  ///< The run ends with an Error before it takes more; 0: no limit.
 };
 

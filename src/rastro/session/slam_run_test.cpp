@@ -49,6 +49,7 @@ class FakeSlam : public Slam {
   }
   std::vector<SlamEvent> finish() override {
     ++finished;
+    if (finish_fails) throw std::runtime_error("a job failed");
     return {{"loop_closed", "at last"}};
   }
   Trajectory trajectory() const override { return trajectory_; }
@@ -72,6 +73,7 @@ class FakeSlam : public Slam {
   }
 
   std::int64_t fault_at = -1;
+  bool finish_fails = false;
   std::int64_t dropped = 0;
   std::size_t budget = 0;
   int finished = 0, masked = 0;
@@ -94,6 +96,18 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
   for (const std::string_view line : split(text, '\n'))
     if (!line.empty()) lines.emplace_back(line);
   return lines;
+}
+
+TEST(SlamRun, AMethodThatFailsAtItsEndStillGivesItsTrajectoryAndMap) {
+  FakeSource source(30, {});
+  FakeSlam method;
+  method.finish_fails = true;
+  const SlamRunEnd end = slam_run(wired(source, method));
+  EXPECT_EQ(end.result.ended, "fault: a job failed");
+  EXPECT_TRUE(end.failure);
+  EXPECT_EQ(end.trajectory.size(), 30U);
+  ASSERT_TRUE(end.map);
+  EXPECT_EQ(end.result.keyframes, 2);
 }
 
 TEST(SlamRun, CountsStatesLoopsAndCoverage) {
@@ -129,10 +143,12 @@ TEST(SlamRun, CovariancesHaveTheErrorOfTheCalibration) {
     camera.calibration_error = share;
     source.describe(camera);
     FakeSlam method;
-    const SlamRunEnd end = slam_run(wired(source, method));
+    SlamRun run = wired(source, method);
+    run.initial_pose = SE3({}, {1.5, 0.0, 0.0});
+    const SlamRunEnd end = slam_run(run);
     ASSERT_GT(end.position_covariances.size(), 3U);
     for (const PositionCovariance& at : end.position_covariances) {
-      const double added = share * at.position.x();
+      const double added = share * (at.position.x() - 1.5);
       EXPECT_NEAR(at.covariance(0, 0), 1e-4 + added * added, 1e-12);
     }
   }

@@ -59,8 +59,6 @@ class AppearanceStore {
  public:
   AppearanceStore(const AppearanceCheck& check, std::shared_ptr<const ImageStore> images)
       : check_(check), images_(std::move(images)) {}
-  /// For a keyframe whose images are not stored: the newest ones can be compared then.
-  void add(std::int64_t keyframe, const Frame& frame) { recent_.add(keyframe, check_.appearance_of(frame)); }
   std::shared_ptr<const KeyframeAppearance> appearance(std::int64_t keyframe);
   const AppearanceCheck& check() const { return check_; }
 

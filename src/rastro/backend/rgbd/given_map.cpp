@@ -29,6 +29,15 @@ void check_camera(const Camera& other, const Camera& camera) {
                           camera.width, camera.height, camera.fx));
 }
 
+/// SIFT has 128 numbers, SURF 64; the others have bits.
+void check_descriptor(const Features& features, const std::string& descriptor) {
+  const int length = descriptor == "sift" ? 128 : descriptor == "surf" ? 64 : 0;
+  if (features.size() == 0 || features.length == length) return;
+  const std::string made_with = features.length == 128 ? "sift" : features.length == 64 ? "surf" : "orb or even_orb";
+  throw Error(fmt::format("has features that cannot be compared with those of descriptor={}", descriptor), "--map",
+              fmt::format("give --set descriptor={}, or a map made with descriptor={}", made_with, descriptor));
+}
+
 }  // namespace
 
 Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera, double baseline) {
@@ -41,7 +50,7 @@ Map base_map(const std::string& method, const RgbdSlamOptions& options, const Ca
   return map;
 }
 
-SlamContext with_usable_map(SlamContext context, const Camera& camera) {
+SlamContext with_usable_map(SlamContext context, const Camera& camera, const RgbdSlamOptions& options) {
   if (!context.map) return context;
   check_camera(camera_of(*context.map, "--map").intrinsics, camera);
   auto map = std::make_shared<Map>(renumbered(*context.map));
@@ -54,6 +63,7 @@ SlamContext with_usable_map(SlamContext context, const Camera& camera) {
     if (!image || !has_images || image->depths.size() != image->features.size())
       throw Error("has keyframes without features, their depths or depth images", "--map",
                   "give a map made by --method rgbd or rtabmap");
+    check_descriptor(image->features, options.descriptor);
     features->of[keyframe.id] = context.extend_map ? without_features(*image) : image;
   }
   map->layers.put<FeatureLayer>(std::move(features));

@@ -55,6 +55,19 @@ TEST(GivenMap, ItsCameraMayDifferByAsMuchAsCalibrationsDo) {
   }
 }
 
+TEST(GivenMap, ItsFeaturesMustBeOfTheSameKind) {
+  const SlamContext given = context_of(make_test_map(2));
+  RgbdSlamOptions options;
+  EXPECT_NO_THROW(with_usable_map(given, test_room::camera(), options));
+  options.descriptor = "sift";
+  try {
+    with_usable_map(given, test_room::camera(), options);
+    FAIL() << "these are bits";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("descriptor=orb or even_orb"), std::string::npos) << error.what();
+  }
+}
+
 TEST(GivenMap, EveryKeyframeNeedsFeaturesTheirDepthsAndImages) {
   const Camera camera = test_room::camera();
   EXPECT_FALSE(with_usable_map({}, camera).map) << "without a map there is nothing to refuse";

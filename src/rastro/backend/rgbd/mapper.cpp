@@ -42,9 +42,24 @@ Frame masked(const Frame& frame) {
   return result;
 }
 
+/// Of a given map, and of the keyframes that localization made beside it, which are in no map.
+class LocalizationImages : public ImageStore {
+ public:
+  LocalizationImages(const Map& given, std::shared_ptr<const ImageStore> made)
+      : given_(images_of(given)), of_given_(static_cast<KeyframeId>(given.keyframes.size())), made_(std::move(made)) {}
+  PackedImages read(KeyframeId keyframe) const override {
+    return (keyframe < of_given_ ? given_ : made_)->read(keyframe);
+  }
+
+ private:
+  std::shared_ptr<const ImageStore> given_;
+  KeyframeId of_given_;
+  std::shared_ptr<const ImageStore> made_;
+};
+
 std::shared_ptr<const ImageStore> packed_images_of(const SlamContext& context,
                                                    const std::shared_ptr<MemoryImages>& in_memory) {
-  if (!makes_map(context)) return images_of(*context.map);
+  if (!makes_map(context)) return std::make_shared<LocalizationImages>(*context.map, in_memory);
   if (context.archive != nullptr) return context.archive->images();
   return in_memory;
 }
@@ -148,10 +163,7 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   depths_.add(order.id, shown.depth);
   bytes_ += bytes_of(*kept);
   graph_.add(kept, pose, Matrix6d::Zero());
-  if (maps_)
-    keep_images(order.id, pack_images(shown));
-  else if (options_.min_alike > 0.0)
-    proof_.appearances.add(order.id, shown);
+  keep_images(order.id, pack_images(shown));
 }
 
 void Mapper::keep_images(KeyframeId id, PackedImages images) {

@@ -215,6 +215,17 @@ TEST(Mapper, MaskedPixelsAreNeitherMatchedNorKept) {
   }
 }
 
+TEST(Mapper, ImagesOfALocalizationsOwnKeyframesAreKeptBesideThoseOfTheMap) {
+  SlamContext context;
+  context.map = std::make_shared<const Map>(make_test_map(2));
+  Mapper mapper({}, test_room::camera(), context);
+  const KeyframeOrder order = order_of(2, beside(0), beside(0));
+  mapper.add(order);
+  const UnpackedImages kept = unpack_images(mapper.images()->read(2), "test");
+  EXPECT_NEAR(kept.depth.at(100, 100), order.frame.depth.at(100, 100), 2e-4F);
+  EXPECT_EQ(mapper.images()->read(1), images_of(*context.map)->read(1));
+}
+
 TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
   RecordingArchive archive;
   SlamContext context;

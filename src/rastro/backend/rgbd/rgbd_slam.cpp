@@ -10,7 +10,7 @@ RgbdSlam::RgbdSlam(const std::string& method, const RgbdSlamOptions& options, co
                    const SlamContext& context, MakeSearch make_search, double baseline)
     : options_(options),
       camera_(camera),
-      context_(with_usable_map(context, camera)),
+      context_(with_usable_map(context, camera, options)),
       method_(method),
       make_search_(std::move(make_search)),
       baseline_(baseline),

@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -43,7 +44,11 @@ class Workers {
   std::vector<BenchmarkResult> run_all() {
     std::vector<std::thread> threads;
     const int count = std::min(setup_.jobs, static_cast<int>(missing_.size()));
-    for (int k = 1; k < count; ++k) threads.emplace_back([this] { work(); });
+    try {
+      for (int k = 1; k < count; ++k) threads.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+      // The system allows no more threads: fewer runs at a time.
+    }
     work();
     for (std::thread& thread : threads) thread.join();
     if (failure_) std::rethrow_exception(failure_);

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "rastro/base/error.h"
+
 namespace rastro::cli {
 namespace {
 
@@ -10,7 +14,6 @@ std::string name_of(const CompareInput& input, const CompareRun& run) {
   std::string name = fmt::format("{} {}", input.name, run.column);
   if (run.repeat > 1) name += fmt::format(" repeat {}", run.repeat);
   if (run.again) name += " again";
-  if (!run.disturbance.empty()) name += " " + run.disturbance;
   return name;
 }
 
@@ -31,7 +34,6 @@ BenchmarkEntry entry_of(const CompareInput& input, const MethodOffer& method, co
     entry.method.flags = input.flags;
   }
   if (run.repeat > 1) entry.method.flags.insert(entry.method.flags.end(), {"--seed", fmt::format("{}", run.repeat)});
-  if (!run.disturbance.empty()) entry.disturbances = {run.disturbance};
   return entry;
 }
 
@@ -51,9 +53,18 @@ void plan_methods(const CompareInput& input, std::size_t index, const std::vecto
   }
 }
 
-void plan_disturbed(const CompareInput& input, std::size_t index, const MethodOffer& method,
-                    const std::string& disturbance, ComparePlan& plan) {
-  add(input, method, {index, method.name(), 1, false, disturbance}, plan);
+void plan_disturbed(std::size_t index, const std::string& method, const std::string& disturbance, ComparePlan& plan) {
+  const auto is_plain = [&](const CompareRun& run) {
+    return run.input == index && run.column == method && run.repeat == 1 && !run.again && run.disturbance.empty();
+  };
+  const auto plain = std::find_if(plan.runs.begin(), plan.runs.end(), is_plain);
+  RASTRO_CHECK(plain != plan.runs.end(), "only a planned run can be disturbed");
+  BenchmarkEntry entry = plan.list.entries[static_cast<std::size_t>(plain - plan.runs.begin())];
+  entry.name += " " + disturbance;
+  if (!entry.seeds.empty()) entry.seeds = {entry.seeds.front()};
+  entry.disturbances = {disturbance};
+  plan.list.entries.push_back(std::move(entry));
+  plan.runs.push_back({index, method, 1, false, disturbance});
 }
 
 }  // namespace rastro::cli

@@ -31,8 +31,8 @@ struct ComparePlan {
 void plan_methods(const CompareInput& input, std::size_t index, const std::vector<MethodOffer>& methods, int repeats,
                   ComparePlan& plan);
 
-/// Adds one run of a method with a disturbance.
-void plan_disturbed(const CompareInput& input, std::size_t index, const MethodOffer& method,
-                    const std::string& disturbance, ComparePlan& plan);
+/// Adds the planned first run of a method on input `index` once more, with a disturbance; of a world only the first
+/// seed.
+void plan_disturbed(std::size_t index, const std::string& method, const std::string& disturbance, ComparePlan& plan);
 
 }  // namespace rastro::cli

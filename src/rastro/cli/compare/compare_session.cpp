@@ -126,9 +126,7 @@ std::vector<std::string> CompareSession::columns() const {
 }
 
 void CompareSession::add_disturbed(std::size_t input, const MethodOffer& method, const std::string& disturbance) {
-  CompareInput first = task_.inputs[input];
-  if (!first.seeds.empty()) first.seeds = {first.seeds.front()};
-  plan_disturbed(first, input, method, disturbance, plan_);
+  plan_disturbed(input, method.name(), disturbance, plan_);
 }
 
 bool CompareSession::run() {

@@ -11,6 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/text.h"
+#include "rastro/cli/benchmark/run_scores.h"
 #include "rastro/cli/compare/map_figures.h"
 #include "rastro/cli/compare/run_trace.h"
 #include "rastro/export/ply.h"
@@ -78,7 +79,8 @@ RunFigures figures_of(const Import& import, const RunTrace& trace, const std::st
   add_trajectory_figures(trace.scores, trace.reference->input, import.alignment == "se3", figures);
   figures["completion_percent"] = trace.posed_percent(frames);
   if (import.cloud.empty()) return figures;
-  const SE3& world_from_first_camera = trace.reference->input.poses.front().world_from_body;
+  // Surfaces are in the camera of the recording's first frame, whatever part of it is compared.
+  const SE3 world_from_first_camera = read_reference(poses_beside(recording), {}).input.poses.front().world_from_body;
   const Sim3 first_camera_from_world(1.0, world_from_first_camera.inverse().rotation(),
                                      world_from_first_camera.inverse().translation());
   add_surface_figures(read_cloud_ply(import.cloud), first_camera_from_world * trace.scores.reference_from_estimate,

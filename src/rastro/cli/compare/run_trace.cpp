@@ -32,19 +32,27 @@ std::map<std::size_t, TimeNs> tracked_pairs(const RunTrace& trace) {
   return tracked;
 }
 
-TrajectoryInput only_at(const TrajectoryInput& all, const std::set<TimeNs>& stamps) {
+TrajectoryInput only(const std::vector<std::size_t>& poses, const TrajectoryInput& all) {
   TrajectoryInput chosen = all;
   chosen.poses.clear(), chosen.matrices.clear();
-  for (std::size_t k = 0; k < all.poses.size(); ++k) {
-    if (!stamps.contains(all.poses[k].stamp)) continue;
+  for (const std::size_t k : poses) {
     chosen.poses.push_back(all.poses[k]);
     chosen.matrices.push_back(all.matrices[k]);
   }
   return chosen;
 }
 
+/// Of the poses of the estimate with these stamps. The reference is cut as well: poses without stamps are matched by
+/// their number.
 double error_at(const RunTrace& trace, const std::set<TimeNs>& stamps) {
-  return score_trajectory(trace.reference->input, only_at(trace.estimate, stamps), options_of(trace.alignment))
+  std::vector<std::size_t> of_reference, of_estimate;
+  for (const PosePair& pair : trace.scores.pairs) {
+    if (!stamps.contains(trace.estimate.poses[pair.estimate].stamp)) continue;
+    of_reference.push_back(pair.reference);
+    of_estimate.push_back(pair.estimate);
+  }
+  const TrajectoryInput& reference = trace.reference->input;
+  return score_trajectory(only(of_reference, reference), only(of_estimate, trace.estimate), options_of(trace.alignment))
       .ate_m->rmse;
 }
 

@@ -82,7 +82,7 @@ StrengthStep step_of(const Climber& climber, double strength, const FinishedRun&
   return step;
 }
 
-/// Every method that tracks something on an input of images, on every ladder.
+/// Every method that tracks something on an input of images, on every ladder; not where the input is wrong already.
 std::vector<Climber> climbers_of(const std::vector<StrengthLadder>& ladders, const CompareSession& session) {
   std::vector<Climber> climbers;
   const Comparison comparison = session.comparison();
@@ -90,7 +90,8 @@ std::vector<Climber> climbers_of(const std::vector<StrengthLadder>& ladders, con
     const bool is_first = run.seed == 0 || run.seed == comparison.inputs[run.what.input].seeds.front();
     if (!run.is_plain() || run.what.repeat != 1 || !is_first || run.failed() || run.result.scores.tracked == 0)
       continue;
-    if (!comparison.inputs[run.what.input].facts.has_image) continue;
+    const CompareInput& input = comparison.inputs[run.what.input];
+    if (!input.facts.has_image || input.is_special) continue;
     const auto& methods = session.methods_on(run.what.input);
     const auto method = std::find_if(methods.begin(), methods.end(),
                                      [&](const MethodOffer& each) { return each.name() == run.what.column; });

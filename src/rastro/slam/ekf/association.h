@@ -13,11 +13,12 @@ namespace rastro {
 /// The landmark that one observation is associated with.
 struct LandmarkAssociation {
   enum class Kind : std::uint8_t {
-    landmark,      ///< A landmark of the map: it corrects the filter.
-    candidate,     ///< Observed before, but not often enough to be a landmark.
-    fresh,         ///< Far from all landmarks: a new candidate.
-    ambiguous,     ///< Not used: several matches are possible, or it has no companions.
-    contradicting  ///< Not used: near a landmark or with its id, but outside the gate.
+    landmark,       ///< A landmark of the map: it corrects the filter.
+    candidate,      ///< Observed before, but not often enough to be a landmark.
+    fresh,          ///< Far from all landmarks: a new candidate.
+    ambiguous,      ///< Not used: several matches are possible, or it has no companions.
+    contradicting,  ///< Not used: near a landmark or with its id, but outside the gate.
+    unmatched       ///< Not used, and not compared with the map: the body is lost.
   };
   Kind kind = Kind::fresh;
   std::size_t landmark = 0;

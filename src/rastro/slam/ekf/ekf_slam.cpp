@@ -154,7 +154,7 @@ std::vector<LandmarkAssociation> EkfSlam::recognize(const Frame& frame, std::spa
   doubt(update, SlamReason::no_odometry, "odometry stays the same to the last bit while the body moves; not used");
   odometry_check_.interrupt();
   if (frozen_odometry_.lost()) {
-    associations.assign(observations.size(), {LandmarkAssociation::Kind::ambiguous});
+    associations.assign(observations.size(), {LandmarkAssociation::Kind::unmatched});
   } else if (!observations.empty()) {
     const Motion motion = unknown_motion(static_cast<double>(frame.stamp - last_.stamp.value_or(frame.stamp)) * 1e-9);
     filter_.predict(motion.last_from_body, motion.covariance);
@@ -249,7 +249,7 @@ void EkfSlam::observe(std::span<const BodyObservation> observations,
     const auto& [kind, landmark, distance] = associations[i];
     FeatureObservation seen;
     seen.in_body = observations[i].in_body;
-    if (kind != Kind::fresh) seen.landmark = records_[landmark].id;
+    if (kind != Kind::fresh && kind != Kind::unmatched) seen.landmark = records_[landmark].id;
     if (kind == Kind::landmark) seen.state = ObservationState::inlier;
     if (kind == Kind::contradicting) seen.state = ObservationState::outlier;
     if (kind == Kind::ambiguous) seen.state = ObservationState::matched;

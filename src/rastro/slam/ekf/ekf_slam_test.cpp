@@ -221,6 +221,27 @@ TEST(EkfSlam, LandmarksCarryItWhileOdometryStaysTheSame) {
   EXPECT_LE(weak, 16);
 }
 
+TEST(EkfSlam, ALandmarkSeenFirstWhileOdometryIsFrozenIsNotTakenIn) {
+  EkfSlam slam(EkfOptions(), false);
+  for (int k = 0; k < 20; ++k) {
+    Frame frame;
+    frame.index = k;
+    frame.stamp = k * ns_per_second / 10;
+    frame.odometry_from_body = SE2();
+    frame.scan.emplace();
+    frame.scan->max_range = 20.0;
+    frame.scan->angle_step = 0.02;
+    frame.scan->ranges.assign(100, 5.0F + 0.05F * static_cast<float>(k));
+    if (k == 15) frame.landmarks.push_back({3, 4.0, 0.1});
+    const SlamUpdate update = slam.process(frame);
+    if (k != 15) continue;
+    EXPECT_EQ(update.reason, SlamReason::no_odometry);
+    EXPECT_EQ(update.used, 0);
+    ASSERT_EQ(slam.observations().size(), 1U);
+    EXPECT_LT(slam.observations().front().landmark, 0);
+  }
+}
+
 TEST(EkfSlam, ALongPathWithoutLandmarksIsWeak) {
   EkfSlam slam(EkfOptions(), false);
   SlamUpdate update;

@@ -361,8 +361,9 @@ void HectorSlam::State::take_over_certainty(std::size_t first_loop) {
     const ClosedLoop& loop = graph_.loops()[l];
     const SE2 pose = graph_.world_from_key_scan(loop.key_scan);
     const Eigen::Vector3d position = in_space(pose).translation();
+    const SO2 world_from_submap = graph_.world_from_submap(loop.submap).rotation();
     const Matrix6d covariance = uncertainty_.of_pose(static_cast<std::int64_t>(loop.submap), position,
-                                                     in_space(in_rotated_axes(loop.covariance, pose.rotation())));
+                                                     in_space(in_rotated_axes(loop.covariance, world_from_submap)));
     for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
       if (!graph_.submaps()[s]->finished()) uncertainty_.reduce(static_cast<std::int64_t>(s), position, covariance);
   }

@@ -200,17 +200,26 @@ bool LsdMapping::add_constraints(const std::vector<Constraint>& found, SlamUpdat
   bool is_loop = false;
   for (const Constraint& edge : found) {
     is_loop |= edge.kind != ConstraintKind::proximity;
-    if (graph_.submap(edge.from) != graph_.submap(edge.to)) {
-      update.events.push_back(
-          {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
-                                 graph_.submap(edge.to), edge.from, edge.to)});
-      graph_.merge(edge);
-    }
+    if (graph_.submap(edge.from) != graph_.submap(edge.to)) join(edge, update);
     if (edge.kind == ConstraintKind::loop)
       update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", edge.to, edge.from)});
     graph_.add_edge(edge);
   }
   return is_loop;
+}
+
+void LsdMapping::join(const Constraint& edge, SlamUpdate& update) {
+  const int from = graph_.submap(edge.from), to = graph_.submap(edge.to);
+  update.events.push_back(
+      {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", from, to, edge.from, edge.to)});
+  graph_.merge(edge);
+  if (from != 0 && to != 0) return;
+  const Sim3& pose = graph_.pose(edge.to);
+  Matrix6d by = Matrix6d::Zero();
+  by.topLeftCorner<3, 3>() = pose.scale() * pose.rotation().matrix();
+  by.bottomRightCorner<3, 3>() = pose.rotation().matrix();
+  joint_ = {from == 0 ? edge.from : edge.to, by * edge.information.inverse() * by.transpose(),
+            sensor_.is_metric() ? 0.0 : edge.scale_variance};
 }
 
 KeyframeDepths LsdMapping::restored_keyframe(std::int64_t id) const {

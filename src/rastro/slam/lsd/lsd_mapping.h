@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "rastro/feature/orb.h"
 #include "rastro/place/vocabulary.h"
@@ -37,6 +38,13 @@ struct MappedKeyframe {
   double scale_error = 0.0;  ///< SemiDenseGraph::scale_error().
 };
 
+/// By what a submap was joined to the first.
+struct SubmapJoint {
+  std::int64_t earlier = 0;  ///< Keyframe of the first submap.
+  Matrix6d covariance;       ///< Of a keyframe of the other one relative to it, in the world's axes and unit.
+  double scale_variance = 0.0;
+};
+
 /// The map: the depths of the newest keyframe, which frames improve, and the graph of all keyframes. "Newest" is the
 /// one that frames are tracked on, also where it is an earlier one that goes on.
 class LsdMapping {
@@ -59,6 +67,8 @@ class LsdMapping {
   bool has_keyframe() const { return depths_.has_value(); }
   KeyframeDepths& depths() { return *depths_; }  ///< Of the newest keyframe, if there is one.
   MappedKeyframe current() const;
+  /// Of the last join since this was asked.
+  std::optional<SubmapJoint> take_joint() { return std::exchange(joint_, std::nullopt); }
   const SemiDenseGraph& graph() const { return graph_; }
   const LsdPools& pools() const { return pools_; }
   KeyframeDepths restored_keyframe(std::int64_t id) const;
@@ -82,6 +92,7 @@ class LsdMapping {
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
   bool connect_before(std::int64_t id, SlamUpdate& update);
   bool add_constraints(const std::vector<Constraint>& found, SlamUpdate& update);
+  void join(const Constraint& edge, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
   bool is_stopped() const { return stop_ != nullptr && stop_->load(); }
   BagOfWords words_of(GrayView image, GrayView mask);
@@ -96,6 +107,7 @@ class LsdMapping {
   std::optional<KeyframeDepths> depths_;
   bool is_finished_ = false;  ///< The newest keyframe is an earlier one that goes on: it has its constraints.
   Change change_;
+  std::optional<SubmapJoint> joint_;
   const std::atomic<bool>* stop_;  ///< The run is interrupted: what is optional is left out. May be null.
   StepsShown on_finishing_;
   std::size_t budget_bytes_;    ///< 0: none.

@@ -64,9 +64,7 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
     motion.change_keyframe(*result.before_from_new);
     frames_on_current_ = 0;
     is_changing_ = false;
-    const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
-    const std::int64_t id = result.current.keyframe.id();
-    if (result.current.submap == 0) uncertainty_.add(id, position, result.frame);
+    add_uncertainty(result);
   }
   current_.emplace(std::move(result.current));
   motion.map_moved = pose_of(motion.camera_from_keyframe) * before.inverse() * motion.map_moved;
@@ -75,11 +73,19 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
   for (const StageTime& time : result.times) add_time(time, update.times);
 }
 
+void LsdPipeline::add_uncertainty(const Result& result) {
+  const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
+  const std::int64_t before = result.frame.keyframe;
+  if (result.joint && !uncertainty_.knows(before))
+    uncertainty_.join(before, position, result.joint->earlier, result.joint->covariance, result.joint->scale_variance);
+  if (uncertainty_.knows(before)) uncertainty_.add(result.current.keyframe.id(), position, result.frame);
+}
+
 void LsdPipeline::on_change(bool is_new) {
   current_.emplace(mapping_.current());
   memory_ = mapping_.memory();
   frames_on_current_ = 0;
-  if (is_new) uncertainty_.set_known(current().id(), Eigen::Vector3d::Zero());
+  if (is_new && current_->submap == 0) uncertainty_.set_known(current().id(), Eigen::Vector3d::Zero());
 }
 
 void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignment& tracked, bool is_sure,
@@ -105,8 +111,8 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
     for (const PlacedFrame& earlier : waiting) mapping_.add_frame(earlier);
     SlamUpdate said;
     const auto before_from_new = mapping_.process(input, said);
-    return Result{mapping_.current(), before_from_new,        placed,
-                  mapping_.memory(),  std::move(said.events), std::move(said.times)};
+    return Result{mapping_.current(),     before_from_new,      placed, mapping_.take_joint(), mapping_.memory(),
+                  std::move(said.events), std::move(said.times)};
   };
   pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
 }
@@ -126,7 +132,7 @@ SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {
 }
 
 std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const {
-  if (current_->submap != 0) return std::nullopt;
+  if (current_->submap != 0 || !uncertainty_.knows(current().id())) return std::nullopt;
   AlignedFrame frame = aligned(tracked, world_from_camera);
   if (current_->scale_error > options_.max_scale_error) frame.scale_error = current_->scale_error;
   return uncertainty_.of_frame(frame);

@@ -40,7 +40,7 @@ class LsdPipeline {
   const CurrentKeyframe& current() const { return current_->keyframe; }  ///< If there is one.
   /// world_from_camera of a frame relative to it.
   SE3 pose_of(const SE3& camera_from_keyframe) const;
-  /// None in a submap apart from the first: where it lies is unknown.
+  /// None in a submap apart from the first, whose place is unknown, nor on a keyframe that it had before it was joined.
   std::optional<Matrix6d> covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const;
   /// Says what is not known yet: where a submap lies, or its scale.
   void doubt(SlamUpdate& update) const;
@@ -52,11 +52,13 @@ class LsdPipeline {
     MappedKeyframe current;
     std::optional<Sim3> before_from_new;  ///< If it changed.
     AlignedFrame frame;                   ///< That became it.
+    std::optional<SubmapJoint> joint;
     MapMemory memory;
     std::vector<SlamEvent> events;
     std::vector<StageTime> times;
   };
   void take(Result result, LsdMotion& motion, SlamUpdate& update);
+  void add_uncertainty(const Result& result);
   void place_waiting();
   bool knows_scale(const ImageAlignment& tracked) const;
   AlignedFrame aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const;

@@ -38,6 +38,14 @@ void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position
   keyframes_.add(keyframe, frame.keyframe, position, of_step, errors_.scale_drift * errors_.scale_drift);
 }
 
+void PoseUncertainty::join(std::int64_t keyframe, const Eigen::Vector3d& position, std::int64_t earlier,
+                           const Matrix6d& covariance, double scale_variance) {
+  const auto from = shortening_.find(earlier);
+  if (from == shortening_.end()) return;
+  shortening_[keyframe] = {position, from->second.sum};
+  keyframes_.add(keyframe, earlier, position, errors_.alike * covariance, scale_variance);
+}
+
 Eigen::Vector3d PoseUncertainty::shortening_of(const AlignedFrame& frame) const {
   const auto from = shortening_.find(frame.keyframe);
   if (from == shortening_.end()) return Eigen::Vector3d::Zero();

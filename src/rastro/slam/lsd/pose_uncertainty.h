@@ -53,11 +53,16 @@ inline double scale_variance_of_new(double share_of_new, double motion_error) {
 class PoseUncertainty {
  public:
   explicit PoseUncertainty(const DepthErrorModel& errors) : errors_(errors) {}
-  /// Of the first keyframe of a submap: it defines the world.
+  /// Of the first keyframe of all: it defines the world.
   void set_known(std::int64_t keyframe, const Eigen::Vector3d& position);
   /// The frame has become that keyframe. One that is known keeps what is known of it.
   void add(std::int64_t keyframe, const Eigen::Vector3d& position, const AlignedFrame& frame);
-  /// A keyframe that was never added is certain.
+  /// A keyframe of a submap that a constraint joined to `earlier` with `covariance`, in the world's axes and unit, and
+  /// `scale_variance`.
+  void join(std::int64_t keyframe, const Eigen::Vector3d& position, std::int64_t earlier, const Matrix6d& covariance,
+            double scale_variance);
+  bool knows(std::int64_t keyframe) const { return keyframes_.contains(keyframe); }
+  /// A keyframe that was never added counts as certain.
   Matrix6d of_frame(const AlignedFrame& frame) const;
 
  private:

@@ -62,6 +62,18 @@ TEST(PoseUncertainty, GrowsFromKeyframeToKeyframeWithTheScaleToo) {
   }
 }
 
+TEST(PoseUncertainty, ASubmapThatWasJoinedIsAsUncertainAsWhatItWasJoinedTo) {
+  PoseUncertainty uncertainty({});
+  uncertainty.set_known(0, Eigen::Vector3d::Zero());
+  uncertainty.add(1, {1.0, 0.0, 0.0}, aligned(0, ahead(1.0), 0.1));
+  EXPECT_FALSE(uncertainty.knows(7)) << "it was made before the submaps were joined";
+  uncertainty.join(7, {2.0, 0.0, 0.0}, 1, 0.04 * Matrix6d::Identity(), 0.0);
+  ASSERT_TRUE(uncertainty.knows(7));
+  const Matrix6d covariance = uncertainty.of_frame(aligned(7, ahead(2.0)));
+  EXPECT_NEAR(covariance(0, 0), 0.01 + 0.04, 1e-4);
+  EXPECT_NEAR(covariance(3, 3), 0.04, 1e-4);
+}
+
 TEST(PoseUncertainty, AKeyframeThatGoesOnIsAsCertainAsBefore) {
   PoseUncertainty uncertainty({.scale_drift = 0.01});
   uncertainty.set_known(0, Eigen::Vector3d::Zero());

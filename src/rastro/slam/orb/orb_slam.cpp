@@ -110,6 +110,7 @@ MapMemory OrbSlam::State::map_memory() const {
 /// Localization reads the graph on the tracking thread: no job may be in flight.
 bool OrbSlam::State::set_mapping(bool on) {
   if (!on && !session_.has_map) return false;
+  if (on == session_.mapping) return true;  // jobs read it
   if (!on) pipeline_.pause(events_);
   session_.mapping = on;
   return true;
