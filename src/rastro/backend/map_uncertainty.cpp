@@ -46,6 +46,25 @@ void MapUncertainty::reduce(std::int64_t part, const Eigen::Vector3d& position, 
     set(part, position, covariance);
 }
 
+void MapUncertainty::join(std::int64_t part, std::int64_t joined_to, const Eigen::Vector3d& position,
+                          const Sim3& new_from_old) {
+  const auto [found, is_new] = parts_.try_emplace(part, Entry{position, Matrix7d::Zero()});
+  Entry& entry = found->second;
+  if (!is_new) entry.position = new_from_old * entry.position;
+  Matrix7d turned = Matrix7d::Identity();
+  turned.block<3, 3>(0, 0) = new_from_old.scale() * new_from_old.rotation().matrix();
+  turned.block<3, 3>(3, 3) = new_from_old.rotation().matrix();
+  const Matrix7d own = turned * entry.covariance * turned.transpose();
+  entry.covariance = own + covariance_of(joined_to, entry.position);
+}
+
+std::vector<std::pair<std::int64_t, Eigen::Vector3d>> MapUncertainty::after(std::int64_t part) const {
+  std::vector<std::pair<std::int64_t, Eigen::Vector3d>> later;
+  for (auto entry = parts_.upper_bound(part); entry != parts_.end(); ++entry)
+    later.emplace_back(entry->first, entry->second.position);
+  return later;
+}
+
 void MapUncertainty::contradict(std::int64_t part, const SE3& before, const SE3& after) {
   constexpr double chi_square_99 = 16.81;  // six degrees of freedom
   const auto found = parts_.find(part);

@@ -4,8 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "rastro/math/se3.h"
+#include "rastro/math/sim3.h"
 
 namespace rastro {
 
@@ -29,6 +32,11 @@ class MapUncertainty {
   void set(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
   /// As set(), where it is less uncertain than before, as after a loop closure.
   void reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
+  /// The part's submap was transformed by `new_from_old` and joined to that of `joined_to`: it has the errors of both.
+  /// A part that was never added, at `position` (of the new world), has those of `joined_to` alone.
+  void join(std::int64_t part, std::int64_t joined_to, const Eigen::Vector3d& position, const Sim3& new_from_old);
+  /// Parts with larger numbers than this one, with their positions.
+  std::vector<std::pair<std::int64_t, Eigen::Vector3d>> after(std::int64_t part) const;
   /// The part is gone: nothing is tracked against it any more.
   void forget(std::int64_t part) { parts_.erase(part); }
   /// The part was thought at `before` and is seen at `after` now (world_from_camera), say by landmarks that come back

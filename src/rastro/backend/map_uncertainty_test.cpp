@@ -142,5 +142,27 @@ TEST(MapUncertainty, ALoopChangesNothingBeforeIt) {
   EXPECT_NEAR(uncertainty.of_pose(20, at, Matrix6d::Zero())(0, 0), 10e-4, 1e-12) << "no loop";
 }
 
+/// Two submaps of the same shape: the second has the errors of where it was joined, and of its own.
+TEST(MapUncertainty, AJoinedSubmapIsTransformedAndHasTheErrorsOfBoth) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d x(1.0, 0.0, 0.0), origin = Eigen::Vector3d::Zero();
+  uncertainty.set(3, x, diagonal(0.1, 0.0));
+  Matrix6d own = Matrix6d::Zero();
+  own(0, 0) = 0.01;
+  uncertainty.set(7, x, own);
+  // A quarter turn, twice as large, beside.
+  const Sim3 new_from_old(2.0, SO3::exp({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.0});
+  uncertainty.join(7, 3, new_from_old * x, new_from_old);
+  uncertainty.join(6, 3, new_from_old * origin, new_from_old);
+  const Matrix6d none = Matrix6d::Zero();
+  const Matrix6d moved = uncertainty.of_pose(7, {1.0, 2.0, 0.0}, none), first = uncertainty.of_pose(6, x, none);
+  EXPECT_NEAR(moved(0, 0), 0.01, 1e-12);
+  EXPECT_NEAR(moved(1, 1), 0.01 + 4.0 * 0.01, 1e-12) << "what was x is y now, and twice as long";
+  EXPECT_THAT(first, matrix_near(diagonal(0.1, 0.0), 1e-12)) << "the first of a submap was certain";
+  ASSERT_EQ(uncertainty.after(3).size(), 2U);
+  EXPECT_EQ(uncertainty.after(3).back().first, 7);
+  EXPECT_THAT(uncertainty.after(3).back().second, matrix_near(Eigen::Vector3d(1.0, 2.0, 0.0), 1e-12));
+}
+
 }  // namespace
 }  // namespace rastro

@@ -15,9 +15,13 @@ PipelineOptions mapping_pipeline(bool pipelined, bool live, const TaskPool* pool
   return options;
 }
 
-bool PipelineQueue::accepts() {
+bool PipelineQueue::has_room() const {
   const bool live = options_.hand_over == HandOver::when_ready;
-  if (!live || options_.max_in_flight == 0 || in_flight_.size() < options_.max_in_flight) return true;
+  return !live || options_.max_in_flight == 0 || in_flight_.size() < options_.max_in_flight;
+}
+
+bool PipelineQueue::accepts() {
+  if (has_room()) return true;
   ++statistics_.dropped;
   return false;
 }

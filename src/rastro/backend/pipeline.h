@@ -63,6 +63,7 @@ class PipelineQueue {
 
   bool submit(std::function<void()> job, std::shared_ptr<void> result, const FrameTime& now,
               const HandOverDelay& delay);
+  bool has_room() const;
   bool accepts();
   /// Null: none to be handed over now.
   std::shared_ptr<void> take_ready(const FrameTime& now);
@@ -110,6 +111,8 @@ class Pipeline {
   /// Whether a job submitted now would be accepted. If not, it counts as dropped. For a front end that must know before
   /// it prepares a job.
   bool accepts() { return queue_.accepts(); }
+  /// The same, for a job that can wait: it does not count as dropped.
+  bool has_room() const { return queue_.has_room(); }
   /// The oldest result, if it is to be handed over by `now`; call again until there is none.
   std::optional<Result> take_ready(const FrameTime& now) { return taken(queue_.take_ready(now)); }
   /// The oldest result, whatever its delay; waits for it. nullopt: none in flight.

@@ -91,7 +91,8 @@ void GroundScale::keep_textured(GrayView image) {
 std::optional<GroundScale::Costs> GroundScale::compare(GrayView image, const SE3& current_from_last) {
   const double step = current_from_last.translation().norm();
   if (textured_.size() < fewest_samples || step < 1e-9) return std::nullopt;
-  const Eigen::Vector3d ahead = current_from_last.inverse().translation() / step;
+  const Eigen::Vector3d moved = current_from_last.inverse().translation() / step;
+  const Eigen::Vector3d ahead = moved.z() < 0.0 ? Eigen::Vector3d(-moved) : moved;  // a car may drive backward
   direction_ =
       direction_.isZero() ? ahead : Eigen::Vector3d((1.0 - direction_memory) * direction_ + direction_memory * ahead);
   pitch_rad_ = std::clamp(-std::atan2(direction_.y(), direction_.z()), -largest_pitch, largest_pitch);

@@ -72,6 +72,15 @@ TEST(GroundScale, FindsTheMetersPerUnit) {
   }
 }
 
+TEST(GroundScale, ACarMayDriveBackward) {
+  for (const double pitch : {0.0, 0.03}) {
+    const auto found = drive(1.0, pitch, 14, -0.7);
+    ASSERT_TRUE(found) << pitch;
+    EXPECT_NEAR(found->meters_per_unit, 1.0, 0.01) << pitch;
+    EXPECT_NEAR(found->pitch_rad, pitch, 1e-6);
+  }
+}
+
 TEST(GroundScale, GivesNothingWithoutMotionOrWithFewFrames) {
   EXPECT_FALSE(drive(1.0, 0.0, 14, 0.0));
   EXPECT_FALSE(drive(1.0, 0.0, 5, 0.7));

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "rastro/backend/map_camera.h"
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/base/error.h"
 #include "rastro/map/features/feature_layer.h"
@@ -14,20 +14,6 @@
 
 namespace rastro {
 namespace {
-
-/// The rays of its features and the blocks of its surfaces are computed with the camera of this run.
-void check_camera(const Camera& other, const Camera& camera) {
-  constexpr double most_share = 0.01;  // of the width: calibrations of the same camera differ by less
-  const double most_px = most_share * camera.width;
-  const double difference_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
-                                         std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
-  if (other.width == camera.width && other.height == camera.height && difference_px <= most_px) return;
-  throw Error(fmt::format("was made by another camera ({} x {} pixels, focal length {:.1f} px)", other.width,
-                          other.height, other.fx),
-              "--map",
-              fmt::format("this run has {} x {} pixels, focal length {:.1f} px: give a map of the same camera",
-                          camera.width, camera.height, camera.fx));
-}
 
 /// SIFT has 128 numbers, SURF 64; the others have bits.
 void check_descriptor(const Features& features, const std::string& descriptor) {
@@ -52,7 +38,8 @@ Map base_map(const std::string& method, const RgbdSlamOptions& options, const Ca
 
 SlamContext with_usable_map(SlamContext context, const Camera& camera, const RgbdSlamOptions& options) {
   if (!context.map) return context;
-  check_camera(camera_of(*context.map, "--map").intrinsics, camera);
+  // The rays of its features and the blocks of its surfaces are computed with the camera of this run.
+  require_camera_of_map(camera_of(*context.map, "--map").intrinsics, camera);
   auto map = std::make_shared<Map>(renumbered(*context.map));
   const auto images = map->layer<ImageLayer>();
   auto features = std::make_shared<FeatureLayer>();

@@ -44,6 +44,7 @@ class FeaturesOdometry::State {
   };
 
   void start(OdometryUpdate& update, const RayObservations& observations);
+  void thin_out_waiting();
   bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
   void locate_waiting(std::size_t first_keyframe);
   void follow(OdometryUpdate& update, const RayObservations& observations);
@@ -132,12 +133,23 @@ void FeaturesOdometry::State::start(OdometryUpdate& update, const RayObservation
                                     std::max(options_.min_start_points, options_.features / 4)) {
     waiting_.erase(waiting_.begin());
   }
+  thin_out_waiting();
   if (start_from_pair(update, waiting_.front(), waiting_.back())) {
     started_ = true;
     waiting_.clear();
     update.state = OdometryState::tracking;
     update.reason = OdometryReason::none;
   }
+}
+
+/// A camera that stands still for long needs no pose of every frame: what is left out is interpolated.
+void FeaturesOdometry::State::thin_out_waiting() {
+  constexpr std::size_t most = 300;
+  if (waiting_.size() <= most) return;
+  std::vector<Waiting> kept;
+  for (std::size_t k = 0; k < waiting_.size(); ++k)
+    if (k % 2 == 0 || k + 1 == waiting_.size()) kept.push_back(std::move(waiting_[k]));
+  waiting_ = std::move(kept);
 }
 
 bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second) {

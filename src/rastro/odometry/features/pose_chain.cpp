@@ -83,13 +83,18 @@ SE3 PoseChain::camera_from_world_at(TimeNs stamp, const LocalMap& map) const {
 }
 
 std::optional<double> PoseChain::length_between(TimeNs begin, TimeNs end, const LocalMap& map) const {
-  const auto two = last_two();
-  if (!two) return std::nullopt;
-  const auto [before, last] = *two;
-  const double moved =
-      (pose_of(*last, map)->inverse().translation() - pose_of(*before, map)->inverse().translation()).norm();
-  if (moved < 1e-9) return std::nullopt;
-  return moved * static_cast<double>(end - begin) / static_cast<double>(last->stamp - before->stamp);
+  const Record* newer = nullptr;
+  for (auto record = records_.rbegin(); record != records_.rend(); ++record) {
+    if (record->kind != Kind::anchored) continue;
+    if (newer && record->stamp < newer->stamp) {
+      const Eigen::Vector3d step =
+          pose_of(*newer, map)->inverse().translation() - pose_of(*record, map)->inverse().translation();
+      if (step.norm() >= 1e-9)
+        return step.norm() * static_cast<double>(end - begin) / static_cast<double>(newer->stamp - record->stamp);
+    }
+    newer = &*record;
+  }
+  return std::nullopt;
 }
 
 Trajectory PoseChain::trajectory(const LocalMap& map) const {

@@ -33,7 +33,8 @@ class PoseChain {
   /// Prediction at the speed of the last two frames with an estimated pose. The rotation continues for two frames at
   /// most.
   SE3 predicted(TimeNs stamp, const LocalMap& map) const;
-  /// Predicted camera motion between two stamps at that speed; nullopt while there is none.
+  /// Camera motion between two stamps at the last speed that was not zero; nullopt while there is none: a scale goes on
+  /// after a standstill.
   std::optional<double> length_between(TimeNs begin, TimeNs end, const LocalMap& map) const;
 
   /// world_from_camera of every frame; unknown poses are interpolated between their neighbors.

@@ -58,6 +58,14 @@ TEST_F(PoseChainTest, AConstantVelocityIsPredictedExactly) {
   EXPECT_NEAR(*chain_.length_between(3 * step, 5 * step, map_), 2.0 * length, 1e-9);
 }
 
+TEST_F(PoseChainTest, AfterAStandstillTheSpeedBeforeItGivesTheScale) {
+  follow(0, 3);
+  for (int k = 4; k < 9; ++k) chain_.repeat(k * step);
+  const double length = (world_from_camera(3).translation() - world_from_camera(2).translation()).norm();
+  ASSERT_TRUE(chain_.length_between(8 * step, 10 * step, map_));
+  EXPECT_NEAR(*chain_.length_between(8 * step, 10 * step, map_), 2.0 * length, 1e-9);
+}
+
 TEST_F(PoseChainTest, PosesFollowTheirKeyframe) {
   const std::size_t before = map_.add_keyframe(0, camera_from_world(0), {});
   chain_.add(0, before, SE3());

@@ -41,6 +41,7 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
       if (session_.options.loop_adjust_iterations > 0)
         result.adjustment = std::make_shared<GlobalBundleAdjustment>(session_.graph, session_.graph.keyframe(id).submap,
                                                                      session_.options.pixel_sigma);
+      newest_adjustment_ = result.adjustment;
     }
   }
   thinning_.process(trajectory_bytes + local_mapping_.view_bytes(), result.events);
@@ -78,7 +79,8 @@ void KeyframePipeline::take_results(TimeNs stamp, std::vector<SlamEvent>& events
   // A map that does not change refines nothing.
   if (!session_.mapping && session_.frame_number % static_cast<std::int64_t>(refined_at_once) == 0)
     session_.trajectory.take_observed(observed_frames, refined_at_once);
-  if (auto adjustment = adjusting_.take_ready(now)) take_adjustment(std::move(*adjustment), stamp);
+  if (mapping_.has_room())
+    if (auto adjustment = adjusting_.take_ready(now)) take_adjustment(std::move(*adjustment), stamp);
   while (auto result = mapping_.take_ready(now)) take(std::move(*result), events);
 }
 
@@ -92,12 +94,22 @@ void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   session_.direct.keyframes.add(result.keyframe, result.view_of_keyframe);
   for (const AdjustedKeyframe& keyframe : result.adjusted)
     session_.uncertainty.contradict(keyframe.id, keyframe.world_from_camera_before, keyframe.world_from_camera);
-  if (result.loop && !result.loop->merged) session_.uncertainty.close_loop(result.loop->matched, result.loop->keyframe);
+  if (result.loop) note_loop(*result.loop);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   for (const std::int64_t keyframe : result.removed) session_.uncertainty.forget(keyframe);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
   spend_sparingly(result.budget);
   archive_map();
+}
+
+void KeyframePipeline::note_loop(const LoopResult& loop) {
+  MapUncertainty& uncertainty = session_.uncertainty;
+  if (!loop.merged) return uncertainty.close_loop(loop.matched, loop.keyframe);
+  for (const auto& [id, center] : loop.transformed) uncertainty.join(id, loop.stayed, center, loop.new_from_old);
+  // Keyframes that tracking added since are in the submap of the loop's.
+  if (loop.stayed == loop.keyframe) return;
+  for (const auto& [id, center] : uncertainty.after(loop.keyframe))
+    uncertainty.join(id, loop.stayed, center, loop.new_from_old);
 }
 
 /// Tracking's measures to stay within the budget, as last reported by mapping.
@@ -134,6 +146,8 @@ void KeyframePipeline::take_adjustment(std::shared_ptr<GlobalBundleAdjustment> a
 
 KeyframePipeline::Result KeyframePipeline::apply(const GlobalBundleAdjustment& adjustment, std::int64_t center) {
   Result result;
+  // Another loop corrected the map while this one waited for its turn; it has an adjustment of its own.
+  if (newest_adjustment_.lock().get() != &adjustment) return result;
   result.events.push_back({"adjusted", adjustment.detail()});
   adjustment.apply(session_.graph);
   if (session_.graph.has_keyframe(center)) result.view = view_of(session_.graph, center, session_.view_options());

@@ -77,6 +77,7 @@ class KeyframePipeline {
   void spend_sparingly(const MapBudget& budget);
   Result apply(const GlobalBundleAdjustment& adjustment, std::int64_t center);
   void take(Result result, std::vector<SlamEvent>& events);
+  void note_loop(const LoopResult& loop);
   void begin_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment);
   void take_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment, TimeNs stamp);
   void cancel_adjustment();
@@ -92,7 +93,8 @@ class KeyframePipeline {
   MapThinning thinning_;
   KeyframeDatabase database_;
   LoopClosing loop_closing_;
-  std::shared_ptr<GlobalBundleAdjustment> adjustment_;  ///< In flight; null: none.
+  std::shared_ptr<GlobalBundleAdjustment> adjustment_;       ///< In flight; null: none.
+  std::weak_ptr<GlobalBundleAdjustment> newest_adjustment_;  ///< Of mapping's jobs: that of the last loop.
   // Last members: their jobs use what is above.
   Pipeline<Result> mapping_;
   Pipeline<std::shared_ptr<GlobalBundleAdjustment>> adjusting_;

@@ -57,7 +57,7 @@ void OrbSlam::State::use_map(const SlamContext& context) {
   session_.mapping = context.extend_map;
   session_.has_map = !map.keyframes.empty();
   session_.initial_pose = context.initial_pose;
-  session_.next_keyframe = map.keyframes.empty() ? 0 : map.keyframes.back().id + 1;
+  session_.next_keyframe = session_.graph.newest_keyframe() + 1;
 }
 
 SlamUpdate OrbSlam::State::process(const Frame& frame) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/backend/map_camera.h"
 #include "rastro/base/error.h"
 #include "rastro/camera/rolling_shutter.h"
 #include "rastro/odometry/rgbd_tracking/depth_reading.h"
@@ -105,6 +106,8 @@ void check_map(const Map& map, const SensorChoice& choice, bool extend, const st
   if (map.cameras.front().kind != choice.sensor && (extend || choice.sensor != CameraKind::mono))
     throw Error("was made with another sensor", "--map",
                 "give the --sensor of the map, or --sensor mono, which works with any map");
+  // Keyframes go on with the camera of this run; where the map stays as it is, only the positions of landmarks count.
+  if (extend) require_camera_of_map(map.cameras.front().intrinsics, choice.camera);
 }
 
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)

@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "rastro/base/error.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/odometry/rgbd_tracking/depth_reading.h"
 #include "rastro/slam/orb/tracking/wall_testing.h"
 
@@ -42,6 +45,20 @@ OrbSlamOptions options_of(const char* sensor) {
   options.sensor = sensor;
   options.features = 600;
   return options;
+}
+
+TEST(SensorChoice, AMapIsContinuedWithItsOwnCamera) {
+  Map map;
+  map.method = "orb";
+  map.layers.put<FeatureLayer>(std::make_shared<FeatureLayer>());
+  map.layers.put<LandmarkLayer>(std::make_shared<LandmarkLayer>());
+  map.cameras.push_back({CameraKind::mono, distorted(), 0.0, {}, SE3()});
+  SensorChoice choice;
+  choice.camera = distorted();
+  EXPECT_NO_THROW(check_map(map, choice, true, "orb"));
+  choice.camera = distorted().scaled(0.5);
+  EXPECT_THROW(check_map(map, choice, true, "orb"), Error);
+  EXPECT_NO_THROW(check_map(map, choice, false, "orb")) << "its landmarks are seen with any camera";
 }
 
 TEST(SensorChoice, AnUnrectifiedPairMeasuresDepthsToo) {

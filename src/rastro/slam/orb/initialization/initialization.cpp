@@ -52,6 +52,7 @@ void Initialization::from_two_views(const std::shared_ptr<const FeatureFrame>& f
   track_kept_frames(*pair);
   update.world_from_body = tracker_.last_pose().inverse();
   trial_frames_ = session_.options.init_trial_frames;
+  trial_submap_ = session_.graph.submap(session_.graph.newest_keyframe());
   contradictions_ = 0;
   if (trial_frames_ == 0) initializer_.clear();
 }
@@ -169,6 +170,11 @@ bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame
                                         const TrackingResult& tracked) {
   constexpr int max_contradictions = 3;
   if (trial_frames_ == 0) return false;
+  // Joined to another submap, it is no longer a start that could be dropped.
+  if (!session_.mapping || tracker_.view()->keyframe(tracked.reference).submap != trial_submap_) {
+    reset();
+    return false;
+  }
   contradictions_ = tracked.mean_squared > session_.options.init_max_error ? contradictions_ + 1 : 0;
   if (contradictions_ == max_contradictions) return true;
   initializer_.keep(frame);
@@ -176,10 +182,14 @@ bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame
   return false;
 }
 
-void Initialization::drop_map(const TrackingResult& tracked, SlamUpdate& update) {
+bool Initialization::drop_map(const TrackingResult& tracked, SlamUpdate& update) {
   pipeline_.take_all_results(update.events);
   MapGraph& graph = session_.graph;
-  const int submap = graph.submap(tracked.reference);
+  const int submap = trial_submap_;
+  if (graph.submap(tracked.reference) != submap) {
+    reset();
+    return false;
+  }
   session_.trajectory.forget(graph, submap);
   const std::vector<std::int64_t> keyframes = graph.keyframe_ids(submap);
   for (const std::int64_t id : keyframes) {
@@ -195,6 +205,7 @@ void Initialization::drop_map(const TrackingResult& tracked, SlamUpdate& update)
       {"start_dropped", fmt::format("submap {} contradicts the frames after it: mean squared error {:.1f}, at most "
                                     "{:.1f}; initialization begins again",
                                     submap, tracked.mean_squared, session_.options.init_max_error)});
+  return true;
 }
 
 void Initialization::reset() {

@@ -29,7 +29,8 @@ class Initialization {
   /// Whether a tracked frame is the last of several in a row that do not fit a map on trial.
   bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
   /// Removes the map on trial, that is the tracked frame's submap. Initialization starts again with the frames kept.
-  void drop_map(const TrackingResult& tracked, SlamUpdate& update);
+  /// False: the submap was joined to another just now, and stays.
+  bool drop_map(const TrackingResult& tracked, SlamUpdate& update);
   /// Ends a trial and clears the frames kept.
   void reset();
 
@@ -53,7 +54,8 @@ class Initialization {
   KeyframePipeline& pipeline_;
   KeyframeInsertion& keyframes_;
   Initializer initializer_;
-  int trial_frames_ = 0;    ///< Remaining frames of the trial of a map from two views.
+  int trial_frames_ = 0;  ///< Remaining frames of the trial of a map from two views.
+  int trial_submap_ = 0;
   int contradictions_ = 0;  ///< Number of contradicting frames in a row.
 };
 

@@ -33,6 +33,7 @@ struct InitializationBench : SessionBench {
   /// Whether a frame whose landmarks fit this badly is the last before the map on trial is dropped.
   bool contradicts(double mean_squared) {
     TrackingResult result;
+    result.reference = tracker.view()->center;
     result.mean_squared = mean_squared;
     return initialization.is_contradicted_by(observe(100, stop(2.0)).frame, result);
   }
@@ -275,6 +276,25 @@ TEST(Initialization, ADroppedSubmapLeavesTheOthersAndItsNumberIsReused) {
   const SlamUpdate again = bench.process(22, 2.2);
   ASSERT_EQ(again.events.size(), 1U);
   EXPECT_THAT(again.events[0].detail, ::testing::StartsWith("1 started "));
+}
+
+TEST(Initialization, ASubmapThatWasJoinedMeanwhileIsNotDropped) {
+  InitializationBench bench(CameraKind::mono);
+  bench.begin(3);
+  bench.session.tracking = false;
+  bench.session.lost_frames = 30;
+  bench.process(20, 0.0);
+  bench.process(21, 2.0);
+  ASSERT_EQ(bench.session.graph.keyframe_ids(1).size(), 2U);
+  bench.session.graph.merge(1, 0, Sim3(), 3, 2);
+  TrackingResult last;
+  last.reference = 4;
+  SlamUpdate update;
+  EXPECT_FALSE(bench.initialization.drop_map(last, update));
+  EXPECT_EQ(bench.session.graph.keyframe_ids(0).size(), 5U);
+  EXPECT_TRUE(bench.session.has_map);
+  EXPECT_TRUE(update.events.empty());
+  EXPECT_FALSE(bench.initialization.is_on_trial());
 }
 
 }  // namespace

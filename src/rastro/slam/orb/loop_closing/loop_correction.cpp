@@ -209,13 +209,16 @@ int merge_submaps(MapGraph& graph, const OrbSlamOptions& options, const Verified
   const Sim3 matched_world_from_keyframe_world = Sim3(matched.camera_from_world).inverse() *
                                                  loop.keyframe_from_matched.inverse() *
                                                  Sim3(keyframe.camera_from_world);
-  if (matched.submap < keyframe.submap) {
-    graph.merge(keyframe.submap, matched.submap, matched_world_from_keyframe_world, keyframe.id, matched.id);
-    result.scale = matched_world_from_keyframe_world.scale();
-  } else {
-    graph.merge(matched.submap, keyframe.submap, matched_world_from_keyframe_world.inverse(), matched.id, keyframe.id);
-    result.scale = 1.0 / matched_world_from_keyframe_world.scale();
-  }
+  const bool moves_keyframe = matched.submap < keyframe.submap;
+  const MapKeyframe &moved = moves_keyframe ? keyframe : matched, &kept = moves_keyframe ? matched : keyframe;
+  result.new_from_old =
+      moves_keyframe ? matched_world_from_keyframe_world : matched_world_from_keyframe_world.inverse();
+  result.scale = result.new_from_old.scale();
+  result.stayed = kept.id;
+  const std::vector<std::int64_t> ids = graph.keyframe_ids(moved.submap);
+  graph.merge(moved.submap, kept.submap, result.new_from_old, moved.id, kept.id);
+  for (const std::int64_t id : ids)
+    result.transformed.emplace_back(id, graph.keyframe(id).camera_from_world.inverse().translation());
   return fuse_landmarks(graph, options, loop, surroundings(graph, loop.keyframe, options.covisible_landmarks));
 }
 

@@ -44,6 +44,10 @@ struct LoopResult {
   int fused = 0;        ///< Landmarks fused with their duplicates.
   double moved = 0.0;   ///< Distance that the keyframe's center moved, in the map's unit; 0: merged.
   double scale = 1.0;   ///< Scale change of the merged submap, or of the keyframe's surroundings.
+  /// Of merged submaps: the keyframe of the pair in the submap that stayed, and what happened to the other submap.
+  std::int64_t stayed = 0;
+  Sim3 new_from_old;
+  std::vector<std::pair<std::int64_t, Eigen::Vector3d>> transformed;  ///< Its keyframes and their new centers.
   SlamEvent event() const;
 };
 

@@ -33,16 +33,25 @@ std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& fra
   return tracked;
 }
 
-void Relocalization::on_lost() { last_pose_ = {tracker_.last_pose(), tracker_.velocity(), session_.frame_number}; }
+/// Relative to a keyframe, which moves with the corrections of the map.
+void Relocalization::on_lost() {
+  const std::int64_t keyframe = tracker_.view()->center;
+  const SE3 world_from_keyframe = tracker_.view()->keyframe(keyframe).camera_from_world.inverse();
+  last_pose_ = {keyframe, tracker_.last_pose() * world_from_keyframe, tracker_.velocity(), session_.frame_number};
+}
 
-/// Within a few frames, no farther than twice the last velocity leads, plus a little where that was small.
+/// Within a few frames and one submap, no farther than twice the last velocity leads, plus a little where that was
+/// small.
 bool Relocalization::continues_motion(const SE3& camera_from_world) const {
   constexpr std::int64_t most_frames = 5;
   constexpr double least_distance = 0.05, least_angle_rad = 0.05;  // meters, or the median depth of the first map
-  if (!last_pose_) return false;
+  const MapGraph& graph = session_.graph;
+  if (!last_pose_ || !graph.has_keyframe(last_pose_->keyframe)) return false;
+  if (graph.submap(last_pose_->keyframe) != graph.submap(hypothesis_->keyframe)) return false;
   const std::int64_t frames = session_.frame_number - last_pose_->frame + 1;
   if (frames > most_frames) return false;
-  const SE3 moved = camera_from_world * last_pose_->camera_from_world.inverse();
+  const SE3 last = last_pose_->camera_from_keyframe * graph.keyframe(last_pose_->keyframe).camera_from_world;
+  const SE3 moved = camera_from_world * last.inverse();
   const double reach = 2.0 * static_cast<double>(frames);
   return moved.translation().norm() <= least_distance + reach * last_pose_->velocity.translation().norm() &&
          moved.rotation().log().norm() <= least_angle_rad + reach * last_pose_->velocity.rotation().log().norm();

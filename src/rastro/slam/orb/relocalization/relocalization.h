@@ -49,7 +49,8 @@ class Relocalization {
   };
   /// The last pose before the loss.
   struct LastPose {
-    SE3 camera_from_world, velocity;
+    std::int64_t keyframe = 0;
+    SE3 camera_from_keyframe, velocity;
     std::int64_t frame = 0;  ///< Frame number of the first lost frame.
   };
 

@@ -139,10 +139,8 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     relocalization_.is_unconfirmed() ? relocalization_.reject() : on_lost(tracked, update);
     return std::nullopt;
   }
-  if (initialization_.is_contradicted_by(measured.features, tracked)) {
-    initialization_.drop_map(tracked, update);
+  if (initialization_.is_contradicted_by(measured.features, tracked) && initialization_.drop_map(tracked, update))
     return std::nullopt;
-  }
   if (jumps_in_given_map(tracked, predicted, update)) return std::nullopt;
   align(measured, tracked, update);
   update.state = SlamState::tracking;
