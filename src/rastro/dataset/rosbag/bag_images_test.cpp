@@ -21,8 +21,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr const char* color = "/camera/rgb/image_raw";
-constexpr const char* depth = "/camera/depth/image_raw";
+constexpr const char* color_topic = "/camera/rgb/image_raw";
+constexpr const char* depth_topic = "/camera/depth/image_raw";
 constexpr int frame_count = 30;
 
 OpenOptions with_depth() {
@@ -51,10 +51,10 @@ void write_delayed(const std::string& path, double color_late_s, double depth_la
     bag.late_s = event.is_depth ? depth_late_s - depth_offset_s : color_late_s;
     const int millimeters = 1000 + event.frame;
     if (event.is_depth)
-      bag.image(depth, event.frame / 30.0 + depth_offset_s, "16UC1",
+      bag.image(depth_topic, event.frame / 30.0 + depth_offset_s, "16UC1",
                 {static_cast<std::uint8_t>(millimeters & 255), static_cast<std::uint8_t>(millimeters >> 8)});
     else
-      bag.image(color, event.frame / 30.0, "mono8", {50});
+      bag.image(color_topic, event.frame / 30.0, "mono8", {50});
   }
 }
 
@@ -100,8 +100,8 @@ TEST(BagImages, WithoutStampsInTheHeadersTheTimesOfRecordingAreThose) {
     BagWriter bag(folder.path("a.bag"));
     bag.has_stamps = false;
     for (int k = 0; k < 3; ++k) {
-      bag.image(color, k, "mono8", {50});
-      bag.image(depth, k + 0.004, "16UC1", {0xC4, 0x09});
+      bag.image(color_topic, k, "mono8", {50});
+      bag.image(depth_topic, k + 0.004, "16UC1", {0xC4, 0x09});
     }
   }
   const auto source = open(folder.path("a.bag"), with_depth());
@@ -118,9 +118,9 @@ TEST(BagImages, RegisteredDepthComesFirstWhereItIsWanted) {
   for (const std::string registered : {"/camera/depth_registered/image_raw", "/camera/depth_z_aligned/image_raw"}) {
     {
       BagWriter bag(folder.path("a.bag"));
-      bag.image(color, 0, "mono8", {50});
-      bag.image(depth, 0, "16UC1", {0xE8, 0x03});       // 1000 mm
-      bag.image(registered, 0, "16UC1", {0xD0, 0x07});  // 2000 mm
+      bag.image(color_topic, 0, "mono8", {50});
+      bag.image(depth_topic, 0, "16UC1", {0xE8, 0x03});  // 1000 mm
+      bag.image(registered, 0, "16UC1", {0xD0, 0x07});   // 2000 mm
     }
     auto options = with_depth();
     const auto source = open(folder.path("a.bag"), options);
@@ -143,11 +143,11 @@ std::vector<std::uint8_t> packed_depth_image(std::uint16_t value, float a, float
 
 TEST(BagImages, CompressedDepthIsUnpacked) {
   const ScratchFolder folder;
-  const std::string topic = std::string(depth) + "/compressedDepth";
+  const std::string topic = std::string(depth_topic) + "/compressedDepth";
   const auto depth_at_pixel = [&](const std::string& format, const std::vector<std::uint8_t>& bytes) {
     {
       BagWriter bag(folder.path("a.bag"));
-      bag.image(color, 0, "mono8", {50});
+      bag.image(color_topic, 0, "mono8", {50});
       bag.packed(topic, 0, format, bytes);
     }
     const auto source = open(folder.path("a.bag"), with_depth());
@@ -180,7 +180,7 @@ TEST(BagImages, DepthPackedInAnotherWayIsNamed) {
 TEST(BagImages, TheSizeOfTheImagesIsKnownBeforeTheyAreRead) {
   const ScratchFolder folder;
   for (const bool packed : {false, true}) {
-    const std::string topic = packed ? "/camera/rgb/image_raw/compressed" : color;
+    const std::string topic = packed ? "/camera/rgb/image_raw/compressed" : color_topic;
     std::vector<std::uint8_t> file;
     cv::imencode(".png", cv::Mat(6, 8, CV_8UC1, cv::Scalar(40)), file);
     for (const bool calibrated : {false, true}) {
@@ -209,7 +209,7 @@ TEST(BagImages, CalibrationsOfAllModelsAreRead) {
     {
       BagWriter bag(folder.path("a.bag"));
       bag.camera_info("/camera/rgb/camera_info", 0, model, coefficients);
-      bag.image(color, 0, "mono8", {50});
+      bag.image(color_topic, 0, "mono8", {50});
     }
     return open(folder.path("a.bag"));
   };
