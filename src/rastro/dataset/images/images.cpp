@@ -80,9 +80,12 @@ std::optional<StampUnit> unit_of_names(const std::vector<std::string>& names) {
     stamps.push_back(*stamp);
   }
   if (kind == NameKind::fraction) return StampUnit::seconds;
-  const StampUnit unit = guess_stamp_unit(stamps, StampUnit::nanoseconds);
-  const bool counts_images = names.front().front() == '0' && unit != StampUnit::nanoseconds;
-  return counts_images ? std::nullopt : std::optional(unit);
+  if (names.front().front() != '0') return guess_stamp_unit(stamps, StampUnit::nanoseconds);
+  // Filled up with zeros: nanoseconds since some start, unless the steps are those of numbers of images.
+  constexpr double shortest_step_ns = 5e5;
+  const auto steps = static_cast<double>(stamps.size() - 1);
+  const bool are_times = steps > 0.0 && stamps.back() - stamps.front() >= shortest_step_ns * steps;
+  return are_times ? std::optional(StampUnit::nanoseconds) : std::nullopt;
 }
 
 std::string_view long_name(StampUnit unit) {
