@@ -47,6 +47,18 @@ Calibration parse_calibration(std::string_view text, std::string_view where) {
   return calibration::looks_like_kitti(text) ? calibration::parse_kitti(text, where) : parse_yaml(text, where);
 }
 
+bool holds_camera(std::string_view text) {
+  using namespace calibration;
+  if (looks_like_kitti(text)) return true;
+  try {
+    const auto root = YamlFields::parse(text, "");
+    return is_kalibr(root) || is_euroc(root) || is_opencv_or_ros(root);
+  } catch (const Error&) {
+  } catch (const YAML::Exception&) {
+  }
+  return true;  // Whoever reads it says what is wrong.
+}
+
 Calibration read_calibration(const std::string& path) {
   std::error_code not_there;
   if (const auto size = std::filesystem::file_size(path, not_there); !not_there) require_size(size, path);

@@ -43,6 +43,10 @@ Calibration read_calibration(const std::string& path);
 /// The same for text; `where` names it in messages.
 Calibration parse_calibration(std::string_view text, std::string_view where);
 
+/// Whether the text has the keys of a camera in any of these formats, or cannot be told to have none; it may still be
+/// wrong in its numbers.
+bool holds_camera(std::string_view text);
+
 /// KITTI raw's calib_velo_to_cam.txt (camera_from_velodyne) or calib_imu_to_velo.txt (velodyne_from_imu): the lines R
 /// and T.
 SE3 read_kitti_transform(const std::string& path);

@@ -551,5 +551,41 @@ TEST(CalibrationFile, RealFilesReadWithoutAWarning) {
   }
 }
 
+TEST(CalibrationFile, APairOfOpenCvNeedsNoFirstLine) {
+  const auto pair = parse_calibration(
+      "M1: [5, 0, 3.5, 0, 5, 2.5, 0, 0, 1]\nD1: [0, 0, 0, 0, 0]\nM2: [6, 0, 3.5, 0, 6, 2.5, 0, 0, 1]\n"
+      "D2: [0, 0, 0, 0, 0]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.25, 0, 0]\n",
+      "pair.yaml");
+  EXPECT_EQ(pair.format, "opencv");
+  ASSERT_EQ(pair.cameras.size(), 2u);
+  EXPECT_EQ(pair.cameras[1].camera.fx, 6.0);
+}
+
+TEST(CalibrationFile, ZerosBehindTheCoefficientsOfAModelMeanNothing) {
+  const auto camera_of = [](const std::string& model, const std::string& coefficients) {
+    return parse_calibration(
+               "image_width: 8\nimage_height: 6\ncamera_matrix: [5, 0, 3.5, 0, 5, 2.5, 0, 0, 1]\n"
+               "distortion_model: " +
+                   model + "\ndistortion_coefficients: [" + coefficients + "]\n",
+               "padded.yaml")
+        .cameras.front()
+        .camera;
+  };
+  EXPECT_EQ(camera_of("plumb_bob", "0.1, 0.01, 0, 0, 0, 0, 0, 0").distortion, Distortion::radial_tangential);
+  EXPECT_EQ(camera_of("plumb_bob", "0.1, 0.01, 0, 0, 0, 0, 0, 0").coefficients[0], 0.1);
+  EXPECT_EQ(camera_of("equidistant", "0.1, 0.01, 0, 0, 0").distortion, Distortion::equidistant);
+  EXPECT_THAT(error_of("distortion_model: plumb_bob\ncamera_matrix: [5, 0, 3.5, 0, 5, 2.5, 0, 0, 1]\n"
+                       "distortion_coefficients: [0.1, 0.01, 0, 0, 0, 0.2]\n"),
+              HasSubstr("has 6 values, which does not fit"));
+}
+
+TEST(CalibrationFile, HoldsACameraOrNot) {
+  EXPECT_TRUE(holds_camera(euroc));
+  EXPECT_TRUE(holds_camera(kitti));
+  EXPECT_TRUE(holds_camera("camera_matrix: [1]\n")) << "a broken one";
+  EXPECT_TRUE(holds_camera("camera: [")) << "no YAML at all";
+  EXPECT_FALSE(holds_camera("depth_factor: 5000\ndepth_offset_m: 0.01\n"));
+}
+
 }  // namespace
 }  // namespace rastro

@@ -6,8 +6,10 @@
 #include <algorithm>
 
 #include "rastro/base/error.h"
+#include "rastro/base/text_file.h"
 #include "rastro/camera/calibration_file.h"
 #include "rastro/dataset/folder.h"
+#include "rastro/dataset/tum_rgbd/depth_factor.h"
 
 namespace rastro {
 namespace {
@@ -56,6 +58,12 @@ std::string names_in(const Calibration& calibration) {
               "--camera NAME chooses a camera, --calibration FILE another file");
 }
 
+/// A file for the depth alone: without a camera of any format, which is no mistake then.
+bool has_only_depth_factor(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file.string());
+  return !holds_camera(text) && parse_depth_factor(text, file.string());
+}
+
 /// Along the file's chain of camera_from_previous, back to the last camera that has none.
 std::optional<SE3> chained(const Calibration& calibration, const std::string& name) {
   SE3 first_from_this;
@@ -74,6 +82,35 @@ void set_stereo_pose(SourceInfo& info, const Calibration& calibration, const std
   if (first_from_left && first_from_right) info.left_from_right = first_from_left->inverse() * *first_from_right;
 }
 
+/// A file of another program names its cameras as it likes; left comes before right in all of them.
+void read_cameras_in_order(SourceInfo& info, const Calibration& calibration, const std::filesystem::path& file,
+                           const std::vector<std::string>& names) {
+  const std::size_t count = std::min(names.size(), calibration.cameras.size());
+  std::vector<std::string> entries;
+  for (std::size_t k = 0; k < count; ++k) {
+    entries.push_back(calibration.cameras[k].name);
+    info.cameras.push_back(calibrated(names[k], calibration.cameras[k], file));
+  }
+  const std::vector<std::string> named(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count));
+  info.warnings.push_back(fmt::format("{}: has other names: {} is taken for {}", file.string(),
+                                      fmt::join(entries, ", "), fmt::join(named, ", ")));
+  for (std::size_t k = count; k < names.size(); ++k) {
+    info.cameras.push_back(uncalibrated(names[k]));
+    info.warnings.push_back(fmt::format("{}: no calibration for {}", file.string(), names[k]));
+  }
+  set_stereo_pose(info, calibration, entries);
+}
+
+void read_given_cameras(SourceInfo& info, const std::filesystem::path& file, const std::vector<std::string>& names) {
+  const auto calibration = read_calibration(file.string());
+  const bool any_name = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return find_entry(calibration, name, false) != nullptr;
+  });
+  // One camera of several is not told by an order.
+  if (any_name || names.size() == 1) return read_cameras(info, file, names);
+  read_cameras_in_order(info, read_with_warnings(info, file), file, names);
+}
+
 void apply_given(SourceInfo& info, const OpenOptions& options, std::optional<ImageSize> size) {
   auto& main = info.cameras.front();
   if (!options.calibration_file.empty()) {
@@ -83,7 +120,7 @@ void apply_given(SourceInfo& info, const OpenOptions& options, std::optional<Ima
     if (info.format == "images" || info.format == "video" || info.format.starts_with("live_")) {
       read_unnamed_camera(info, options.calibration_file, names.front(), options.camera);
     } else {
-      read_cameras(info, options.calibration_file, names);
+      read_given_cameras(info, options.calibration_file, names);
     }
   } else if (options.intrinsics) {
     main.camera = camera_from_intrinsics(*options.intrinsics);
@@ -151,7 +188,7 @@ std::optional<SE3> first_from_camera(const std::filesystem::path& file, const st
 std::filesystem::path find_calibration_file(const std::filesystem::path& folder) {
   for (const char* file : {"camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml", "camera_info.yaml",
                            "camchain.yaml", "sensor.yaml", "calib.txt"}) {
-    if (is_file(folder / file)) return folder / file;
+    if (is_file(folder / file) && !has_only_depth_factor(folder / file)) return folder / file;
   }
   return {};
 }

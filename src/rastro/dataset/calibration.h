@@ -33,14 +33,16 @@ void read_unnamed_camera(SourceInfo& info, const std::filesystem::path& file, co
 std::optional<SE3> first_from_camera(const std::filesystem::path& file, const std::string& name);
 
 /// A calibration file in `folder` under one of the usual names (camera.yaml, calibration.yaml, camera_info.yaml,
-/// camchain.yaml, sensor.yaml, calib.txt); empty where there is none.
+/// camchain.yaml, sensor.yaml, calib.txt); empty where there is none. One that has a depth factor but no camera is not
+/// it.
 std::filesystem::path find_calibration_file(const std::filesystem::path& folder);
 
 /// left_from_right of two cameras whose poses on the body are known; nullopt otherwise.
 std::optional<SE3> relative_pose(const CalibratedCamera& left, const CalibratedCamera& right);
 
 /// Puts the given calibration (--calibration, --intrinsics, --fov) in place of what was found (or, for --fov, where
-/// none was), fills in the image size, and adds a warning for each thing that looks wrong or is missing.
+/// none was), fills in the image size, and adds a warning for each thing that looks wrong or is missing. A given file
+/// with none of the names of a pair serves it in its own order.
 void finish_calibration(SourceInfo& info, const OpenOptions& options, std::optional<ImageSize> size);
 
 }  // namespace rastro

@@ -151,6 +151,18 @@ TEST(Images, StampsFromNamesNeedSixteenRisingDigits) {
   EXPECT_FALSE(stamps_from_names({"99999999999999999999.png"}));
 }
 
+TEST(Images, TheUnitOfWholeNumbersIsGuessed) {
+  EXPECT_THAT(*stamps_from_names({"1418381798086398.png", "1418381798136382.png"}),
+              ElementsAre(1418381798086398000, 1418381798136382000));
+  EXPECT_THAT(*stamps_from_names({"1418381798086.jpg", "1418381798136.jpg"}),
+              ElementsAre(1418381798086000000, 1418381798136000000));
+  EXPECT_THAT(*stamps_from_names({"0000001234567890123.png", "0000001234600890123.png"}),
+              ElementsAre(1234567890123, 1234600890123));
+  EXPECT_FALSE(stamps_from_names({"0000000000000001.png", "0000000000000002.png"})) << "numbers of images";
+  EXPECT_FALSE(stamps_from_names({"20230101120000.jpg", "20230101120005.jpg"})) << "a date in digits";
+  EXPECT_FALSE(stamps_from_names({}));
+}
+
 TEST(Images, StampsFromNamesMayBeSecondsWithAFraction) {
   EXPECT_THAT(*stamps_from_names({"1305031102.175304.png", "1305031102.211214.png"}),
               ElementsAre(1305031102175304000, 1305031102211214000));

@@ -76,9 +76,9 @@ ImageList make_image_list(const std::vector<RawListLine>& lines, StampUnit nativ
   return list;
 }
 
-std::string unit_warning(const ImageList& list, StampUnit native, std::string_view where) {
-  if (list.unit == native) return "";
-  return fmt::format("{}: timestamps look like {}, not {}, and are read as such", where, unit_name(list.unit),
+std::string unit_warning(StampUnit unit, StampUnit native, std::string_view where) {
+  if (unit == native) return "";
+  return fmt::format("{}: timestamps look like {}, not {}, and are read as such", where, unit_name(unit),
                      unit_name(native));
 }
 

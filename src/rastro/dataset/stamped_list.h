@@ -34,7 +34,7 @@ struct RawListLine {
 ImageList make_image_list(const std::vector<RawListLine>& lines, StampUnit native, std::string_view where);
 
 /// A warning where the unit is not the format's own; "" otherwise.
-std::string unit_warning(const ImageList& list, StampUnit native, std::string_view where);
+std::string unit_warning(StampUnit unit, StampUnit native, std::string_view where);
 
 /// For each of `from`, the index in `to` of the nearest stamp not farther than max_difference, each of `to` used once,
 /// nearest pairs first (as the TUM benchmark's associate.py does); -1 where there is none. Stamps may be in any order.

@@ -51,6 +51,11 @@ bool all_zero(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
 }
 
+/// Without the zeros behind the first `count`, which some writers pad to a fixed length with.
+std::span<const double> without_padding(std::span<const double> values, std::size_t count) {
+  return values.size() > count && all_zero(values.subspan(count)) ? values.first(count) : values;
+}
+
 void require_count(std::span<const double> values, std::initializer_list<std::size_t> counts, std::string_view model,
                    const std::string& where, std::string_view key) {
   if (std::find(counts.begin(), counts.end(), values.size()) != counts.end()) return;
@@ -76,9 +81,11 @@ void set_distortion(Camera& camera, std::string_view model, std::span<const doub
                   where, "calibrate with the radial-tangential (plumb_bob), the rational or the equidistant model");
     coefficients = coefficients.first(understood);
   } else if (kind == Model::equidistant) {
+    coefficients = without_padding(coefficients, 4);
     require_count(coefficients, {4}, model, where, key);
     camera.distortion = Distortion::equidistant;
   } else {
+    coefficients = without_padding(coefficients, 5);
     require_count(coefficients, {0, 4, 5}, model, where, key);
   }
   std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());

@@ -180,7 +180,8 @@ bool looks_like_kitti(std::string_view text) {
   for (const auto* key :
        {"P0", "P1", "P2", "P3", "P_rect_00", "P_rect_01", "P_rect_02", "P_rect_03", "K_00", "calib_time"})
     if (has_key(text, key)) return true;
-  return has_key(text, "R") && has_key(text, "T") && !text.starts_with("%YAML");  // OpenCV's of a pair has them too
+  // OpenCV's file of a pair has them too, beside M1 and with or without its first line.
+  return has_key(text, "R") && has_key(text, "T") && !has_key(text, "M1") && !text.starts_with("%YAML");
 }
 
 Calibration parse_kitti(std::string_view text, std::string_view where) {

@@ -52,7 +52,7 @@ std::optional<Location> find_location(const fs::path& path) {
 ImageList read_list(const fs::path& root, const std::string& camera, SourceInfo& info) {
   const std::string file = (root / camera / "data.csv").string();
   auto list = parse_euroc_image_list(read_text_file(file), file);
-  if (auto warning = unit_warning(list, StampUnit::nanoseconds, file); !warning.empty())
+  if (auto warning = unit_warning(list.unit, StampUnit::nanoseconds, file); !warning.empty())
     info.warnings.push_back(warning);
   return list;
 }
@@ -103,19 +103,31 @@ Trajectory in_body_frame(Trajectory trajectory, const fs::path& folder) {
   return trajectory;
 }
 
+/// Guessed as that of the images, with a warning where it is not nanoseconds.
+StampUnit ground_truth_unit(SourceInfo& info, const std::string& text, const fs::path& file) {
+  const StampUnit unit = guess_column_unit(text, StampUnit::nanoseconds);
+  if (auto warning = unit_warning(unit, StampUnit::nanoseconds, file.string()); !warning.empty())
+    info.warnings.push_back(std::move(warning));
+  return unit;
+}
+
 void add_ground_truth(SourceInfo& info, const fs::path& root) {
-  for (const char* name : {"state_groundtruth_estimate0", "groundtruth0", "vicon0"}) {
+  for (const char* name : {"state_groundtruth_estimate0", "groundtruth0", "vicon0", "mocap0"}) {
     const fs::path file = root / name / "data.csv";
     if (!is_file(file)) continue;
     read_ground_truth(info, file, "body", [&] {
-      return in_body_frame(parse_euroc_trajectory(read_text_file(file.string()), file.string()), root / name);
+      const std::string text = read_text_file(file.string());
+      const StampUnit unit = ground_truth_unit(info, text, file);
+      return in_body_frame(parse_euroc_trajectory(text, file.string(), unit), root / name);
     });
     if (!info.ground_truth.empty()) return;
   }
   const fs::path leica = root / "leica0" / "data.csv";
   if (!is_file(leica)) return;
-  read_ground_truth(info, leica, "body",
-                    [&] { return parse_leica_positions(read_text_file(leica.string()), leica.string()); });
+  read_ground_truth(info, leica, "body", [&] {
+    const std::string text = read_text_file(leica.string());
+    return parse_leica_positions(text, leica.string(), ground_truth_unit(info, text, leica));
+  });
   if (!info.ground_truth.empty()) {
     info.warnings.push_back(leica.string() +
                             ": has positions of its prism only; the rotations of the ground truth are meaningless");
@@ -124,14 +136,14 @@ void add_ground_truth(SourceInfo& info, const fs::path& root) {
 
 }  // namespace
 
-Trajectory parse_leica_positions(std::string_view text, std::string_view where) {
+Trajectory parse_leica_positions(std::string_view text, std::string_view where, StampUnit unit) {
   Trajectory trajectory;
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
     const auto words = split(line.text, ',');
     if (words.size() != 4)
       throw Error(fmt::format("{} columns instead of the 4 of 'stamp,x,y,z'", words.size()), here, "");
-    const auto stamp = parse_stamp(words[0], StampUnit::nanoseconds);
+    const auto stamp = parse_stamp(words[0], unit);
     const auto x = parse_finite(words[1]), y = parse_finite(words[2]), z = parse_finite(words[3]);
     if (!stamp || !x || !y || !z) throw Error("a column is not a finite number", here, "");
     trajectory.push_back({*stamp, SE3(SO3(), {*x, *y, *z})});

@@ -13,8 +13,9 @@ namespace rastro {
 /// camN/data.csv: "stamp[ns],file" a line. Error naming `where`:line for anything else.
 ImageList parse_euroc_image_list(std::string_view text, std::string_view where);
 
-/// leica0/data.csv: "stamp[ns],x,y,z" a line; the rotations are set to the identity.
-Trajectory parse_leica_positions(std::string_view text, std::string_view where);
+/// leica0/data.csv: "stamp,x,y,z" a line; the rotations are set to the identity.
+Trajectory parse_leica_positions(std::string_view text, std::string_view where,
+                                 StampUnit unit = StampUnit::nanoseconds);
 
 /// T_BS (body_from_sensor) of any sensor.yaml. Error where it is missing or no rigid motion within 0.02.
 SE3 parse_sensor_pose(std::string_view text, std::string_view where);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 
@@ -55,17 +56,41 @@ std::vector<std::string> series(const std::vector<std::string>& names) {
   return prefixes;
 }
 
-/// Of a name that is a time since 1970: 16 digits or more as EuRoC has them, or seconds with a fraction as TUM has
-/// them.
-std::optional<StampUnit> unit_of_name(const std::string& name) {
-  constexpr std::size_t fewest_ns_digits = 16, fewest_s_digits = 9;
+enum class NameKind { no_stamp, whole, fraction };
+
+/// Of a name that is a time: 13 digits (milliseconds since 1970) or more, or seconds with a fraction as TUM has them.
+NameKind kind_of_name(const std::string& name) {
+  constexpr std::size_t fewest_digits = 13, fewest_s_digits = 9;
   const std::string stem = fs::path(name).stem().string();
   const auto point = stem.find('.');
   const std::string rest = point == std::string::npos ? stem : stem.substr(0, point) + stem.substr(point + 1);
-  if (!std::all_of(rest.begin(), rest.end(), [](char c) { return c >= '0' && c <= '9'; })) return std::nullopt;
-  if (point == std::string::npos)
-    return stem.size() >= fewest_ns_digits ? std::optional(StampUnit::nanoseconds) : std::nullopt;
-  return point >= fewest_s_digits ? std::optional(StampUnit::seconds) : std::nullopt;
+  if (!std::all_of(rest.begin(), rest.end(), [](char c) { return c >= '0' && c <= '9'; })) return NameKind::no_stamp;
+  if (point != std::string::npos) return point >= fewest_s_digits ? NameKind::fraction : NameKind::no_stamp;
+  return stem.size() >= fewest_digits ? NameKind::whole : NameKind::no_stamp;
+}
+
+/// The unit of all names together; nullopt where any is no time, or of another kind than the others.
+std::optional<StampUnit> unit_of_names(const std::vector<std::string>& names) {
+  const NameKind kind = kind_of_name(names.front());
+  if (kind == NameKind::no_stamp) return std::nullopt;
+  std::vector<double> stamps;
+  for (const auto& name : names) {
+    const auto stamp = parse_finite(fs::path(name).stem().string());
+    if (kind_of_name(name) != kind || !stamp) return std::nullopt;
+    stamps.push_back(*stamp);
+  }
+  if (kind == NameKind::fraction) return StampUnit::seconds;
+  if (names.front().front() != '0') return guess_stamp_unit(stamps, StampUnit::nanoseconds);
+  // Filled up with zeros: nanoseconds since some start, unless the steps are those of numbers of images.
+  constexpr double shortest_step_ns = 5e5;
+  const auto steps = static_cast<double>(stamps.size() - 1);
+  const bool are_times = steps > 0.0 && stamps.back() - stamps.front() >= shortest_step_ns * steps;
+  return are_times ? std::optional(StampUnit::nanoseconds) : std::nullopt;
+}
+
+std::string_view long_name(StampUnit unit) {
+  constexpr std::array<std::string_view, 4> names = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
+  return names[static_cast<std::size_t>(unit)];
 }
 
 void set_stamps(Recording& recording, const Listing& listing, double wanted_rate_hz) {
@@ -76,9 +101,8 @@ void set_stamps(Recording& recording, const Listing& listing, double wanted_rate
   }
   recording.info.has_stamps = stamps.has_value();
   if (stamps) {
-    const bool seconds = unit_of_name(listing.names.front()) == StampUnit::seconds;
-    recording.info.warnings.push_back(
-        fmt::format("stamps are taken from the file names, as {}", seconds ? "seconds" : "nanoseconds"));
+    const auto unit = unit_of_names(listing.names).value_or(StampUnit::nanoseconds);
+    recording.info.warnings.push_back(fmt::format("stamps are taken from the file names, as {}", long_name(unit)));
   }
   if (!stamps && wanted_rate_hz <= 0.0) {
     recording.info.warnings.push_back(
@@ -89,10 +113,11 @@ void set_stamps(Recording& recording, const Listing& listing, double wanted_rate
 }  // namespace
 
 std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names) {
+  if (names.empty()) return std::nullopt;
+  const auto unit = unit_of_names(names);
+  if (!unit) return std::nullopt;
   std::vector<TimeNs> stamps;
   for (const auto& name : names) {
-    const auto unit = unit_of_name(name);
-    if (!unit || unit != unit_of_name(names.front())) return std::nullopt;
     const auto stamp = parse_stamp(fs::path(name).stem().string(), *unit);
     if (!stamp || *stamp > largest_stamp) return std::nullopt;
     if (!stamps.empty() && *stamp <= stamps.back()) return std::nullopt;

@@ -9,7 +9,8 @@
 
 namespace rastro {
 
-/// Stamps from file names that rise and all are nanoseconds (16 digits or more) or seconds with a fraction
+/// Stamps from file names that rise and all are whole numbers of 13 digits or more, whose unit is guessed from all of
+/// them (1403715285262142976.png is in nanoseconds, 1418381798086398.png in microseconds), or seconds with a fraction
 /// (1305031102.175304.png); nullopt where any is not.
 std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names);
 

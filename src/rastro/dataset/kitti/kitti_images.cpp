@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "rastro/base/text.h"
 #include "rastro/dataset/folder.h"
@@ -36,20 +36,24 @@ std::string kitti_right_of(const std::string& camera) {
 std::vector<RecordedFrame> kitti_frames(const std::filesystem::path& folder, const std::filesystem::path& right_folder,
                                         const std::vector<std::string>& names) {
   const auto right_names = right_folder.empty() ? std::vector<std::string>() : image_names(right_folder);
-  const std::set<std::string> in_right(right_names.begin(), right_names.end());
+  // Without the ending: the two may be packed differently, as PNG and JPEG.
+  std::map<std::string, std::string> right_of_stem;
+  for (const auto& name : right_names) right_of_stem.emplace(std::filesystem::path(name).stem().string(), name);
   std::vector<RecordedFrame> frames;
   for (const auto& name : names) {
-    const std::string right = in_right.contains(name) ? (right_folder / name).string() : "";
+    const auto found = right_of_stem.find(std::filesystem::path(name).stem().string());
+    const std::string right = found != right_of_stem.end() ? (right_folder / found->second).string() : "";
     frames.push_back({0, (folder / name).string(), right, "", 0});
   }
   return frames;
 }
 
-void describe_right(Recording& recording, const std::string& right) {
+void describe_right(Recording& recording, const std::string& right, const std::filesystem::path& right_folder) {
   const auto pairs =
       std::count_if(recording.frames.begin(), recording.frames.end(), [](const auto& f) { return !f.right.empty(); });
   recording.info.has_right = pairs > 0;
-  if (pairs > 0 && pairs < static_cast<std::int64_t>(recording.frames.size())) {
+  const bool has_images = pairs > 0 || (!right.empty() && !image_names(right_folder).empty());
+  if (has_images && pairs < static_cast<std::int64_t>(recording.frames.size())) {
     recording.info.warnings.push_back(
         fmt::format("{} of {} frames have an image in {}", pairs, recording.frames.size(), right));
   }

@@ -22,11 +22,12 @@ std::vector<std::int64_t> rows_of_images(const std::vector<std::string>& names, 
 /// image_01, ...
 std::string kitti_right_of(const std::string& camera);
 
-/// Frames for the images of `folder`, with images of the same name in `right_folder` where there are any.
+/// Frames for the images of `folder`, with images of the same name (but for its ending) in `right_folder` where there
+/// are any.
 std::vector<RecordedFrame> kitti_frames(const std::filesystem::path& folder, const std::filesystem::path& right_folder,
                                         const std::vector<std::string>& names);
 
-/// Says in info what the right camera has, from the frames.
-void describe_right(Recording& recording, const std::string& right);
+/// Says in info what the right camera has, from the frames; a warning where its folder has images, but not for all.
+void describe_right(Recording& recording, const std::string& right, const std::filesystem::path& right_folder);
 
 }  // namespace rastro

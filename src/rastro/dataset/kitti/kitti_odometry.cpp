@@ -121,7 +121,7 @@ std::optional<Recording> index_kitti_odometry(const fs::path& path, const OpenOp
   recording.info.format = "kitti_odometry";
   recording.frames = kitti_frames(path / main, right.empty() ? fs::path() : path / right, names);
   set_stamps(recording, names, path, options);
-  describe_right(recording, right);
+  describe_right(recording, right, path / right);
   add_cameras(recording, path, main, right, calibration_is_given(options));
   if (const auto file = poses_file(path); !file.empty()) {
     read_ground_truth(recording.info, file, "camera", [&] { return stamped_poses(recording, names, file); });

@@ -146,7 +146,7 @@ std::optional<Recording> index_kitti_raw(const fs::path& path, const OpenOptions
   recording.frames = kitti_frames(path / main / "data", right.empty() ? fs::path() : path / right / "data", names);
   recording.stamp_unit = "date";
   set_stamps(recording, path / main, names, options.rate_hz);
-  describe_right(recording, right);
+  describe_right(recording, right, path / right / "data");
 
   add_cameras(recording, path, main, right, calibration_is_given(options));
   add_oxts(recording.info, path);

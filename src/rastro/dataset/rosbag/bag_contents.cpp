@@ -6,7 +6,9 @@
 namespace rastro {
 namespace {
 
-bool is_kept(const std::string& type) { return type == "sensor_msgs/Image" || type == "sensor_msgs/CameraInfo"; }
+bool is_kept(const std::string& type) {
+  return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage" || type == "sensor_msgs/CameraInfo";
+}
 
 void keep_first(BagContents& contents, BagMessage message) {
   if (is_kept(message.type)) contents.first_message.try_emplace(message.topic, std::move(message));

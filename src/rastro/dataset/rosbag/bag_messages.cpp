@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/base/error.h"
 #include "rastro/base/library_output.h"
 #include "rastro/base/text.h"
+#include "rastro/camera/file/formats.h"
 #include "rastro/dataset/mat_conversion.h"
 #include "rastro/image/image_header.h"
 
@@ -79,10 +81,88 @@ void require_finite(bool finite, const char* what, const std::string& where) {
   if (!finite) throw Error(fmt::format("{} is not finite", what), where, "");
 }
 
+/// The pixels of a whole PNG or JPEG file, as they are.
+cv::Mat unpacked(std::span<const std::uint8_t> file, const std::string& where) {
+  const auto incomplete = why_incomplete(file);
+  if (!incomplete.empty()) throw Error("the image " + incomplete, where, "");
+  if (const auto reason = why_too_large(file); !reason.empty())
+    throw Error("the image " + reason, where, "scale the images down");
+  cv::Mat mat;
+  const LibraryOutput output;
+  try {
+    const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
+    if (!file.empty()) mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    mat.release();
+  }
+  if (mat.empty()) throw Error("the image cannot be decoded", where, "");
+  return mat;
+}
+
+/// Meters by pixel, without those that are no measurement, corrected.
+template <typename MetersAt>
+DepthImage depth_image(const cv::Mat& mat, const DepthReadings& readings, MetersAt meters_at) {
+  DepthImage depth(mat.cols, mat.rows);
+  for (int y = 0; y < mat.rows; ++y) {
+    for (int x = 0; x < mat.cols; ++x) {
+      const float meters = meters_at(x, y);
+      depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? readings.corrected(meters) : 0.0F;
+    }
+  }
+  return depth;
+}
+
+DepthImage plain_depth(const ImageMessage& message, const std::string& where, const DepthReadings& readings) {
+  const cv::Mat mat = mat_of(message, where);
+  if (mat.depth() == CV_32F) return depth_image(mat, readings, [&](int x, int y) { return mat.at<float>(y, x); });
+  return depth_image(mat, readings,
+                     [&](int x, int y) { return static_cast<float>(mat.at<std::uint16_t>(y, x)) * 1e-3F; });
+}
+
+/// compressed_depth_image_transport's ConfigHeader: the kind of packing, and A and B of inverse depth.
+constexpr std::size_t packed_header_size = 12;
+
+std::span<const std::uint8_t> packed_file(const CompressedMessage& message) {
+  const std::span<const std::uint8_t> bytes(message.data.data(), message.data.size());
+  return bytes.subspan(std::min(packed_header_size, bytes.size()));
+}
+
+/// Depth in meters (32FC1) is packed as A / depth + B, so that what is near keeps more digits.
+DepthImage packed_depth(const CompressedMessage& message, const std::string& where, const DepthReadings& readings) {
+  const cv::Mat mat = unpacked(packed_file(message), where);
+  if (mat.type() != CV_16UC1) throw Error("the depth image is not one channel of 16 bit", where, "");
+  const auto raw = [&](int x, int y) { return static_cast<float>(mat.at<std::uint16_t>(y, x)); };
+  if (!message.format.starts_with("32FC1"))
+    return depth_image(mat, readings, [&](int x, int y) { return raw(x, y) * 1e-3F; });
+  float a = 0.0F, b = 0.0F;
+  std::memcpy(&a, message.data.data() + 4, sizeof(a));
+  std::memcpy(&b, message.data.data() + 8, sizeof(b));
+  return depth_image(mat, readings, [&](int x, int y) { return raw(x, y) > 0.0F ? a / (raw(x, y) - b) : 0.0F; });
+}
+
+/// At least as many coefficients as the model has; drivers leave out zeros at the end.
+std::vector<double> coefficients_of(const CameraMessage& message, bool equidistant) {
+  std::vector<double> coefficients(message.D.begin(), message.D.end());
+  coefficients.resize(std::max<std::size_t>(coefficients.size(), equidistant ? 4 : 5), 0.0);
+  return coefficients;
+}
+
 }  // namespace
 
 TimeNs nanoseconds(const ros::Time& time) {
   return static_cast<TimeNs>(time.sec) * ns_per_second + static_cast<TimeNs>(time.nsec);
+}
+
+TimeNs stamp_of(const BagMessage& message) {
+  HeaderMessage header;
+  try {
+    ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.bytes.data()),
+                                       static_cast<std::uint32_t>(message.bytes.size()));
+    ros::serialization::deserialize(stream, header);
+  } catch (const std::exception&) {
+    return message.time;  // What is damaged is said by whoever decodes the whole message.
+  }
+  return header.stamp.isZero() ? message.time : nanoseconds(header.stamp);
 }
 
 LaserScan scan_of(const ScanMessage& message, const std::string& where) {
@@ -91,8 +171,10 @@ LaserScan scan_of(const ScanMessage& message, const std::string& where) {
   scan.angle_step = static_cast<double>(message.angle_increment);
   scan.min_range = static_cast<double>(message.range_min);
   scan.max_range = static_cast<double>(message.range_max);
-  require_finite(std::isfinite(scan.first_angle) && std::isfinite(scan.angle_step) && std::isfinite(scan.min_range) &&
-                     std::isfinite(scan.max_range),
+  // Drivers that know no limit write infinity or zero; no laser of a robot sees farther than this.
+  constexpr double unlimited_range = 100.0;
+  if (!std::isfinite(scan.max_range) || scan.max_range <= 0.0) scan.max_range = unlimited_range;
+  require_finite(std::isfinite(scan.first_angle) && std::isfinite(scan.angle_step) && std::isfinite(scan.min_range),
                  "the scan's geometry", where);
   scan.ranges.assign(message.ranges.begin(), message.ranges.end());
   return scan;
@@ -120,39 +202,28 @@ DecodedImage image_of(const ImageMessage& message, bool want_color, const std::s
 }
 
 DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where) {
-  const auto incomplete = why_incomplete(message.data);
-  if (!incomplete.empty()) throw Error("the image " + incomplete, where, "");
-  if (const auto reason = why_too_large(message.data); !reason.empty())
-    throw Error("the image " + reason, where, "scale the images down");
-  cv::Mat mat;
-  const LibraryOutput output;
-  try {
-    const cv::Mat bytes(1, static_cast<int>(message.data.size()), CV_8UC1,
-                        const_cast<std::uint8_t*>(message.data.data()));
-    if (!message.data.empty()) mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    mat.release();
-  }
-  if (mat.empty()) throw Error("the image cannot be decoded", where, "");
-  return decoded(mat, want_color, where);
+  return decoded(unpacked({message.data.data(), message.data.size()}, where), want_color, where);
 }
 
 bool is_depth(const ImageMessage& message) { return message.encoding == "16UC1" || message.encoding == "32FC1"; }
 
-DepthImage depth_of(const ImageMessage& message, const std::string& where, const DepthReadings& readings) {
-  const cv::Mat mat = mat_of(message, where);
-  DepthImage depth(mat.cols, mat.rows);
-  for (int y = 0; y < mat.rows; ++y) {
-    for (int x = 0; x < mat.cols; ++x) {
-      const float meters =
-          mat.depth() == CV_32F ? mat.at<float>(y, x) : static_cast<float>(mat.at<std::uint16_t>(y, x)) * 1e-3F;
-      depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? readings.corrected(meters) : 0.0F;
-    }
-  }
-  return depth;
+bool is_packed_depth(const CompressedMessage& message) {
+  return message.format.find("compressedDepth") != CompressedMessage::_format_type::npos;
 }
 
-std::optional<Camera> camera_of(const CameraMessage& message, bool rectified) {
+bool is_depth(const CompressedMessage& message) {
+  constexpr std::array<std::uint8_t, 4> png = {0x89, 'P', 'N', 'G'};
+  const auto file = packed_file(message);
+  return is_packed_depth(message) && file.size() > png.size() && std::equal(png.begin(), png.end(), file.begin());
+}
+
+DepthImage depth_of(const BagMessage& message, const std::string& where, const DepthReadings& readings) {
+  if (message.type == "sensor_msgs/CompressedImage")
+    return packed_depth(decode<CompressedMessage>(message, where), where, readings);
+  return plain_depth(decode<ImageMessage>(message, where), where, readings);
+}
+
+std::optional<Camera> camera_of(const CameraMessage& message, bool rectified, const std::string& where) {
   Camera camera;
   camera.width = static_cast<int>(std::min(message.width, 1U << 15));
   camera.height = static_cast<int>(std::min(message.height, 1U << 15));
@@ -162,18 +233,13 @@ std::optional<Camera> camera_of(const CameraMessage& message, bool rectified) {
   camera.cy = rectified ? message.P[6] : message.K[5];
   if (!(camera.fx > 0.0) || !(camera.fy > 0.0) || !std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy))
     return std::nullopt;
-  const auto& coefficients = message.D;
+  const std::string model(message.distortion_model.begin(), message.distortion_model.end());
+  const bool equidistant = model == "equidistant" || model == "fisheye";
+  const auto coefficients = coefficients_of(message, equidistant);
   const bool none = std::all_of(coefficients.begin(), coefficients.end(), [](double value) { return value == 0.0; });
-  if (rectified || none) return camera;
-  const bool brown = message.distortion_model == "plumb_bob" && coefficients.size() <= 5;
-  const bool equidistant =
-      (message.distortion_model == "equidistant" || message.distortion_model == "fisheye") && coefficients.size() == 4;
-  const bool rational = message.distortion_model == "rational_polynomial" && coefficients.size() == 8;
-  if (!brown && !equidistant && !rational) return std::nullopt;
-  if (!std::all_of(coefficients.begin(), coefficients.end(), [](double value) { return std::isfinite(value); }))
-    return std::nullopt;
-  camera.distortion = brown ? Distortion::radial_tangential : rational ? Distortion::rational : Distortion::equidistant;
-  std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
+  // An equidistant lens bends rays with zeros too; of any other model, known or not, they mean no distortion.
+  if (rectified || (none && !equidistant)) return camera;
+  calibration::set_distortion(camera, model, coefficients, where, "D");
   return camera;
 }
 

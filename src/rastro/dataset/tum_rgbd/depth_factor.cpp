@@ -115,12 +115,16 @@ std::optional<DepthFactor> read_depth_factor(const std::filesystem::path& file) 
   return DepthFactor{*factor, file.string(), false, parse_depth_offset(text, file.string())};
 }
 
-DepthFactor find_depth_factor(const std::filesystem::path& folder, const std::vector<std::string>& depth_files) {
+std::optional<DepthFactor> depth_factor_in(const std::filesystem::path& folder) {
   for (const char* name : files) {
     const auto file = folder / name;
     if (!is_file(file)) continue;
-    if (auto factor = read_depth_factor(file)) return *factor;
+    if (auto factor = read_depth_factor(file)) return factor;
   }
+  return std::nullopt;
+}
+
+DepthFactor guess_depth_factor_of(const std::vector<std::string>& depth_files) {
   constexpr std::size_t samples = 5;
   std::vector<Image<std::uint16_t>> images;
   for (std::size_t k = 0; k < std::min(samples, depth_files.size()); ++k) {

@@ -34,7 +34,10 @@ DepthFactor guess_depth_factor(std::span<const Image<std::uint16_t>> images);
 /// From a calibration or info file; nullopt where it does not say.
 std::optional<DepthFactor> read_depth_factor(const std::filesystem::path& file);
 
-/// From a calibration or info file in the folder, else from up to five of the depth images.
-DepthFactor find_depth_factor(const std::filesystem::path& folder, const std::vector<std::string>& depth_files);
+/// From a calibration or info file in the folder; nullopt where none says it.
+std::optional<DepthFactor> depth_factor_in(const std::filesystem::path& folder);
+
+/// From up to five of the depth images.
+DepthFactor guess_depth_factor_of(const std::vector<std::string>& depth_files);
 
 }  // namespace rastro

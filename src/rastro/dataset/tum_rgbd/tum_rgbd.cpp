@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "rastro/base/error.h"
@@ -34,17 +35,34 @@ struct Lists {
   ImageList color;
   ImageList depth;
   std::vector<std::int64_t> partner;
+  std::string paired_by = "within 0.02 s";
+  std::string warning;  ///< Empty: none.
+
+  std::size_t pairs() const {
+    return static_cast<std::size_t>(std::count_if(partner.begin(), partner.end(), [](auto row) { return row >= 0; }));
+  }
 };
 
-void pair_as_listed(Lists& lists, const TumAssociations& associations) {
+/// "./rgb/1.png" and "rgb/1.png" are one file.
+std::string normal_name(const std::string& file) { return fs::path(file).lexically_normal().generic_string(); }
+
+void pair_as_listed(Lists& lists, const TumAssociations& associations, const fs::path& file) {
   std::map<std::string, std::size_t> row_of;
   for (std::size_t k = 0; k < associations.color.images.size(); ++k)
-    row_of.emplace(associations.color.images[k].file, k);
+    row_of.emplace(normal_name(associations.color.images[k].file), k);
   lists.depth = associations.depth;
+  lists.paired_by = "in " + file.filename().string();
+  lists.partner.clear();
   for (const auto& image : lists.color.images) {
-    const auto row = row_of.find(image.file);
+    const auto row = row_of.find(normal_name(image.file));
     lists.partner.push_back(row == row_of.end() ? -1 : static_cast<std::int64_t>(row->second));
   }
+}
+
+void pair_by_stamps(Lists& lists, const fs::path& file) {
+  lists.depth = parse_tum_image_list(read_text_file(file.string()), file.string());
+  lists.partner = associate(lists.color.images, lists.depth.images, max_depth_difference);
+  lists.paired_by = "within 0.02 s";
 }
 
 Lists read_lists(const fs::path& folder) {
@@ -54,19 +72,16 @@ Lists read_lists(const fs::path& folder) {
   if (!pairs.empty()) associations = parse_tum_associations(read_text_file(pairs.string()), pairs.string());
   lists.color =
       is_file(color) ? parse_tum_image_list(read_text_file(color.string()), color.string()) : associations->color;
-  if (associations) {
-    pair_as_listed(lists, *associations);
-  } else if (is_file(depth)) {
-    lists.depth = parse_tum_image_list(read_text_file(depth.string()), depth.string());
-    lists.partner = associate(lists.color.images, lists.depth.images, max_depth_difference);
-  } else {
-    lists.partner.assign(lists.color.images.size(), -1);
-  }
+  lists.partner.assign(lists.color.images.size(), -1);
+  if (associations) pair_as_listed(lists, *associations, pairs);
+  if (lists.pairs() > 0 || !is_file(depth)) return lists;
+  if (associations)
+    lists.warning = fmt::format("{}: names none of the images of rgb.txt; depth.txt is used", pairs.string());
+  pair_by_stamps(lists, depth);
   return lists;
 }
 
 void fill_frames(Recording& recording, const Lists& lists, const fs::path& folder) {
-  std::size_t pairs = 0;
   for (std::size_t k = 0; k < lists.color.images.size(); ++k) {
     const auto& image = lists.color.images[k];
     RecordedFrame frame{image.stamp, (folder / image.file).string(), "", "", 0};
@@ -74,31 +89,28 @@ void fill_frames(Recording& recording, const Lists& lists, const fs::path& folde
       const auto& depth = lists.depth.images[static_cast<std::size_t>(lists.partner[k])];
       frame.depth = (folder / depth.file).string();
       frame.depth_stamp = depth.stamp;
-      ++pairs;
     }
     recording.frames.push_back(std::move(frame));
   }
+  const std::size_t pairs = lists.pairs();
   recording.info.has_depth = pairs > 0;
-  if (pairs > 0 && pairs < recording.frames.size()) {
+  if (!lists.warning.empty()) recording.info.warnings.push_back(lists.warning);
+  if (!lists.depth.images.empty() && pairs < recording.frames.size()) {
     recording.info.warnings.push_back(
-        fmt::format("{} of {} color images have a depth image within 0.02 s", pairs, recording.frames.size()));
+        fmt::format("{} of {} color images have a depth image {}", pairs, recording.frames.size(), lists.paired_by));
   }
 }
 
 void set_depth_factor(Recording& recording, const fs::path& folder, bool published, const std::string& given) {
   if (!recording.info.has_depth) return;
-  recording.info.depth_factor = 5000.0;
-  if (!given.empty())
-    if (const auto factor = read_depth_factor(given)) {
-      recording.info.depth_factor = factor->units_per_meter;
-      recording.info.depth_offset_m = factor->offset_m;
-      return;
-    }
-  if (published) return;
+  // Of the given file, else of the folder's own files, else what the benchmark publishes.
+  auto known = given.empty() ? std::nullopt : read_depth_factor(given);
+  if (!known) known = depth_factor_in(folder);
+  if (!known && published) known = DepthFactor{5000.0, "TUM's", false, 0.0};
   std::vector<std::string> files;
   for (const auto& frame : recording.frames)
     if (!frame.depth.empty()) files.push_back(frame.depth);
-  const auto factor = find_depth_factor(folder, files);
+  const auto factor = known ? *known : guess_depth_factor_of(files);
   recording.info.depth_factor = factor.units_per_meter;
   recording.info.depth_offset_m = factor.offset_m;
   if (factor.is_a_guess) {
@@ -110,8 +122,8 @@ void set_depth_factor(Recording& recording, const fs::path& folder, bool publish
 /// Returns whether the folder is one of the benchmark's own.
 bool add_camera(SourceInfo& info, const fs::path& path, bool given) {
   const auto published = tum_camera_of_folder(path);
-  const auto file = find_calibration_file(path);
-  if (!given && !file.empty()) {
+  const auto file = given ? fs::path() : find_calibration_file(path);
+  if (!file.empty()) {
     read_cameras(info, file, {"rgb"});
   } else {
     info.cameras.push_back(published ? *published : uncalibrated("rgb"));
@@ -163,7 +175,7 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   recording.info.path = path.string();
   recording.info.format = "tum_rgbd";
   const auto lists = read_lists(path);
-  if (auto warning = unit_warning(lists.color, StampUnit::seconds, path.string()); !warning.empty()) {
+  if (auto warning = unit_warning(lists.color.unit, StampUnit::seconds, path.string()); !warning.empty()) {
     recording.info.warnings.push_back(warning);
   }
   recording.stamp_unit = unit_name(lists.color.unit);
