@@ -56,6 +56,11 @@ files() {
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
   run 2 localize "$room" --map "$map" --out "$here/run" --force --quiet
   said 'would be overwritten'
+  (cd "$here/run" && run 2 localize "$room" --map map.rastro --out . --force --quiet)
+  said 'would be overwritten'
+  ln -s "$map" "$here/link.rastro"
+  run 2 localize "$room" --map "$here/link.rastro" --out "$here/run" --force --quiet
+  said 'would be overwritten'
   [[ -s $map ]] || fail "localize removed the map that it should localize in"
   run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --only 'blue box height' \
     --out "$here/images" --require 'measured>=1' --require 'max_error_m<=0.015'

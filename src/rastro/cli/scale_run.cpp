@@ -36,8 +36,19 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// Scales the three numbers after the timestamp of every line; rotations are kept as they are written.
-std::string scaled_trajectory(const std::string& text, double factor, const std::string& where) {
+/// As scaled() does with the map.
+struct Stretch {
+  Eigen::Vector3d fixed;
+  double factor;
+
+  double of(double value, std::size_t axis) const {
+    const double still = fixed[static_cast<Eigen::Index>(axis)];
+    return still + factor * (value - still);
+  }
+};
+
+/// Moves the three numbers after the timestamp of every line; rotations are kept as they are written.
+std::string scaled_trajectory(const std::string& text, const Stretch& stretch, const std::string& where) {
   std::string result;
   for (const std::string_view line : split(text, '\n')) {
     if (line.empty()) continue;
@@ -54,7 +65,7 @@ std::string scaled_trajectory(const std::string& text, double factor, const std:
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto value = parse_finite(words[i]);
       if (!value) throw Error("is not the trajectory of a run", where, "scale its map.rastro alone");
-      result += i <= 3 ? fmt::format(" {:.9f}", factor * *value) : fmt::format(" {}", words[i]);
+      result += i <= 3 ? fmt::format(" {:.9f}", stretch.of(*value, i - 1)) : fmt::format(" {}", words[i]);
     }
     result += '\n';
   }
@@ -110,6 +121,7 @@ void write_image(const Map& in_meters, const std::string& file) {
 
 void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
   const FolderLock lock(folder);
+  const Stretch stretch{fixed_point_of(in_meters), found.meters_per_unit};
   std::vector<NewFile> files;
   std::string trajectory, keyframes;
   for (const char* name : {"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "covariance_online.txt"}) {
@@ -118,7 +130,7 @@ void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapSca
     const std::string text = read_whole_file(file);
     const bool covariance = std::string_view(name).starts_with("covariance");
     files.push_back({file, covariance ? scaled_covariances(text, found.meters_per_unit, file.string())
-                                      : scaled_trajectory(text, found.meters_per_unit, file.string())});
+                                      : scaled_trajectory(text, stretch, file.string())});
     if (std::string_view(name) == "trajectory.txt") trajectory = files.back().bytes;
     if (std::string_view(name) == "keyframes.txt") keyframes = files.back().bytes;
   }
