@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/output_path.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/cli/command.h"
@@ -195,7 +197,6 @@ std::string file_name_of(const std::string& name) {
 void write_images(const fs::path& folder, std::size_t number, const Map& map,
                   const std::vector<MeasuredLength>& lengths) {
   const auto images = images_of(map);
-  fs::create_directories(folder);
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     const MeasuredLength& one = lengths[k];
     if (one.image.keyframe < 0 || !one.length_m) continue;
@@ -218,6 +219,8 @@ int measure(const MeasureFlags& flags) {
   if (!wanted.in_frame_of_ground_truth && !flags.align.empty())
     throw Error("is unused: the points are given in the frame of the map", "--align",
                 "omit it, or set 'frame:' in the file of --objects");
+  std::optional<OutputFolder> out;
+  if (!flags.out.empty()) out.emplace(flags.out);
   TaskPool pool(flags.threads);
   MapLengthOptions options;
   options.seed = flags.seed;

@@ -11,6 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/folder_lock.h"
 #include "rastro/base/hash.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/export/cloud_image.h"
 #include "rastro/export/landmark_image.h"
@@ -117,6 +118,17 @@ void write_image(const Map& in_meters, const std::string& file) {
     write_landmark_image(in_meters, file);
 }
 
+/// Its points are in the map's former unit, its lengths may be in meters already: no factor is right for both.
+void set_lengths_aside(const fs::path& folder) {
+  const fs::path lengths = folder / "lengths.json", aside = folder / "lengths_before_scale.json";
+  if (!is_there(lengths)) return;
+  std::error_code code;
+  fs::rename(lengths, aside, code);
+  if (code) throw Error("cannot be renamed (" + code.message() + ")", lengths.string(), "remove it");
+  log_warning(one_line(lengths.string()) + ": was measured before in another unit and is lengths_before_scale.json now; "
+              "'rastro measure RUN --json' measures anew");
+}
+
 }  // namespace
 
 void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
@@ -138,6 +150,7 @@ void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapSca
   const std::string former_result = is_there(result) ? read_whole_file(result) : "";
   if (!former_result.empty()) scaled_result(former_result, in_meters, found, "", result.string());
   save_map(in_meters, map);
+  set_lengths_aside(folder);
   for (const NewFile& file : files) write_whole_file(file.file, file.bytes);
   if (is_there(folder / "map.png")) write_image(in_meters, (folder / "map.png").string());
   if (former_result.empty()) return;
