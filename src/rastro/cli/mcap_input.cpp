@@ -56,7 +56,7 @@ struct LayerTaker {
 bool is_shown(const Keyframe& keyframe, int submap) { return submap < 0 || keyframe.submap == submap; }
 
 /// ROBOT/SESSION/NUMBER where there are several sessions; some methods number all keyframes of a map on.
-std::string name_of(const Map& map, const Keyframe& keyframe, std::optional<std::size_t> session) {
+std::string keyframe_name(const Map& map, const Keyframe& keyframe, std::optional<std::size_t> session) {
   const KeyframeOrigin origin = origin_of(keyframe.id);
   if (map.sessions.size() < 2) return fmt::format("{}", origin.number);
   const int number = session ? map.sessions[*session].session : origin.session;
@@ -69,7 +69,7 @@ void add_keyframes(const Map& map, int submap, McapRun& run) {
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     const Keyframe& keyframe = map.keyframes[k];
     if (is_shown(keyframe, submap))
-      run.keyframes.push_back({name_of(map, keyframe, sessions[k]), {keyframe.stamp, keyframe.world_from_camera}});
+      run.keyframes.push_back({keyframe_name(map, keyframe, sessions[k]), {keyframe.stamp, keyframe.world_from_camera}});
   }
 }
 

@@ -189,7 +189,7 @@ double turn_misfit_deg(const PosesAtOneTime& poses) {
 Trajectory trajectory_for_reference(const Map& map, std::optional<std::size_t> session, const std::string& where) {
   if (session) return trajectory_of_session(map, *session);
   if (sessions_overlap(map))
-    throw Error("the sessions of the map overlap in time, and it is of none of their recordings", where,
+    throw Error("is of the recording of no session, and the sessions of the map overlap in time", where,
                 "give one of the recordings that 'rastro info' lists, or a file in its folder");
   return trajectory_of(map);
 }
