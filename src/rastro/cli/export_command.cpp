@@ -312,7 +312,8 @@ void add_other_flags(CLI::App& command, ExportFlags& flags) {
                   "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
       ->type_name("DATA");
   command
-      .add_option("--submap", flags.submap, "Submap (default: 0, the first); all: not for tum, kitti, euroc, pgm of scans")
+      .add_option("--submap", flags.submap,
+                  "Submap (default: 0, the first); all: not for tum, kitti, euroc, pgm of scans")
       ->type_name("N|all");
   command.add_flag("--upright", flags.settings.upright,
                    "ply, pcd, mesh, octomap: level the map, z up, origin on the floor");

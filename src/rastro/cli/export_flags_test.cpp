@@ -56,7 +56,8 @@ std::string refusal_of_all(const std::string& to, Kind kind) {
 
 TEST(ExportFlags, AllSubmapsAreRefusedWhereOneIsWritten) {
   const auto said = [](const std::string& to) {
-    return "--submap all: --to " + to + " holds one submap: each is in a frame of its own; give a number; 'rastro info' "
+    return "--submap all: --to " + to +
+           " holds one submap: each is in a frame of its own; give a number; 'rastro info' "
            "lists them";
   };
   for (const char* to : {"tum", "kitti", "euroc"}) EXPECT_EQ(refusal_of_all(to, Kind::landmarks), said(to));

@@ -147,8 +147,7 @@ TEST(MapRecordings, AReferenceIsOfTheSessionInWhoseRecordingItIs) {
 TEST(MapSessions, InfoCountsThePosesOfAllThatOverlap) {
   MapFileReport report;
   Map map = numbered_on();
-  for (const int stamp_s : {10, 20, 10, 15, 18})
-    map.frames.push_back({stamp_s * ns_per_second, 0, SE3()});
+  for (const int stamp_s : {10, 20, 10, 15, 18}) map.frames.push_back({stamp_s * ns_per_second, 0, SE3()});
   report.map = std::make_shared<const Map>(map);
   EXPECT_THAT(describe_map(report, "map.rastro"), HasSubstr("5 poses in 18.0 s"));
 }

@@ -69,7 +69,8 @@ void add_keyframes(const Map& map, int submap, McapRun& run) {
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     const Keyframe& keyframe = map.keyframes[k];
     if (is_shown(keyframe, submap))
-      run.keyframes.push_back({keyframe_name(map, keyframe, sessions[k]), {keyframe.stamp, keyframe.world_from_camera}});
+      run.keyframes.push_back(
+          {keyframe_name(map, keyframe, sessions[k]), {keyframe.stamp, keyframe.world_from_camera}});
   }
 }
 

@@ -125,7 +125,8 @@ void set_lengths_aside(const fs::path& folder) {
   std::error_code code;
   fs::rename(lengths, aside, code);
   if (code) throw Error("cannot be renamed (" + code.message() + ")", lengths.string(), "remove it");
-  log_warning(one_line(lengths.string()) + ": was measured before in another unit and is lengths_before_scale.json now; "
+  log_warning(one_line(lengths.string()) +
+              ": was measured before in another unit and is lengths_before_scale.json now; "
               "'rastro measure RUN --json' measures anew");
 }
 

@@ -181,10 +181,12 @@ void read_cells(const PgmImage& image, const Thresholds& thresholds, OccupancyGr
   }
 }
 
-/// A name as YAML reads it back: "floor #1.pgm" would end before the comment. Plain names stay as map_server writes them.
+/// A name as YAML reads it back: "floor #1.pgm" would end before the comment. Plain names stay as map_server writes
+/// them.
 std::string as_yaml(const std::string& name) {
   const auto is_plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
   };
   const bool begins_plainly = !name.empty() && name.front() != '-' && name.front() != '.';
   if (begins_plainly && std::all_of(name.begin(), name.end(), is_plain)) return name;

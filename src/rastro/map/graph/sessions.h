@@ -13,8 +13,8 @@ namespace rastro {
 /// keyframes on, the next as soon as their stamps jump back or leave the span of one. nullopt where there is none.
 std::vector<std::optional<std::size_t>> sessions_of_keyframes(const Map& map);
 
-/// The session of each frame, which may be relative to a keyframe of an earlier one: the next as soon as the stamps jump
-/// back or leave the span of one. 0 where the map names no session.
+/// The session of each frame, which may be relative to a keyframe of an earlier one: the next as soon as the stamps
+/// jump back or leave the span of one. 0 where the map names no session.
 std::vector<std::size_t> sessions_of_frames(const Map& map);
 
 /// Whether two sessions have poses at the same time, as recordings do whose clocks begin at 0: in the order of time,

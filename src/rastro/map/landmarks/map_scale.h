@@ -37,8 +37,8 @@ struct KnownLength {
 MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths, const std::string& where);
 
 /// From the trajectory of the camera and a reference with the same clock, by the similarity between both (Umeyama
-/// 1991). Sigma by leaving out each eighth of the trajectory in turn, which includes slow drift. `session`: the one whose
-/// recording the reference is of; Error where it is not known and sessions overlap in time.
+/// 1991). Sigma by leaving out each eighth of the trajectory in turn, which includes slow drift. `session`: the one
+/// whose recording the reference is of; Error where it is not known and sessions overlap in time.
 MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where,
                                    std::optional<std::size_t> session = std::nullopt);
 
@@ -49,7 +49,8 @@ Trajectory trajectory_for_reference(const Map& map, std::optional<std::size_t> s
 /// frequent depth of the landmarks ahead below it. Sigma as above.
 MapScaleFound scale_from_camera_height(const Map& map, double height_m, const std::string& where);
 
-/// Where a map's first pose is, which scaling leaves in place: that of its first keyframe; the origin where it has none.
+/// Where a map's first pose is, which scaling leaves in place: that of its first keyframe; the origin where it has
+/// none.
 Eigen::Vector3d fixed_point_of(const Map& map);
 
 /// The map of one camera, with lengths scaled by the factor found about its fixed point.
