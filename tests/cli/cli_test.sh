@@ -242,21 +242,35 @@ bad_values() {
   refused "--match-image" track "$hall" --out "$here/run" --match-image 9:3
   refused "--threads" track "$hall" --out "$here/run" --threads -1
   refused "did you mean 'track'" options trak
+  local long
+  long=$(printf 'n%.0s' {1..300})
+  touch "$here/file"
+  refused 'File name too long' vocabulary "$hall" --out "$long"
+  refused 'File name too long' calibrate "$hall" --board chessboard:9x6:0.025 --out "$long"
+  refused 'Not a directory' calibrate "$hall" --board chessboard:9x6:0.025 --out "$here/file/camera"
+  refused 'views of the board' calibrate "$hall" --board chessboard:9x6:0.025 --out "$here/camera"
+  [[ ! -e $here/camera ]] || fail "a calibration that failed left its folder"
 }
 
 folder_in_use() {
   mkdir "$here/run"
   echo mine >"$here/run/notes.txt"
+  echo '{}' >"$here/run/lengths.json"
   refused '--force' track "$hall" --out "$here/run"
   run 0 track "$hall" --out "$here/run" --force --frames 0:3
   [[ -f $here/run/notes.txt ]] || fail "--force removed a file that is not of a run"
   [[ ! -e $here/run/former_run ]] || fail "--force left the former run aside"
+  [[ ! -e $here/run/lengths.json ]] || fail "--force left lengths of the former map"
   cp "$here/run/tracks.csv" "$here/before.csv"
   pgm "$here/mask.pgm" 16 16
   refused 'the mask is 16x16' track "$hall" --out "$here/run" --force --mask "$here/mask.pgm"
   cmp "$here/before.csv" "$here/run/tracks.csv" || fail "a run without a frame cost the former one"
   echo file >"$here/file"
   refused 'not a folder' track "$hall" --out "$here/file"
+  run 0 simulate loop --frames 2 --out "$here/world" --quiet
+  [[ -s $here/world/closures.yaml ]] || fail "the world has no closures"
+  run 0 simulate hall --frames 2 --out "$here/world" --force --quiet
+  [[ ! -e $here/world/closures.yaml ]] || fail "--force left the closures of another world"
 }
 
 broken_image() {

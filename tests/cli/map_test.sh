@@ -56,7 +56,14 @@ files() {
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
   run 2 localize "$room" --map "$map" --out "$here/run" --force --quiet
   said 'would be overwritten'
+  (cd "$here/run" && run 2 localize "$room" --map map.rastro --out . --force --quiet)
+  said 'would be overwritten'
+  ln -s "$map" "$here/link.rastro"
+  run 2 localize "$room" --map "$here/link.rastro" --out "$here/run" --force --quiet
+  said 'would be overwritten'
   [[ -s $map ]] || fail "localize removed the map that it should localize in"
+  touch "$here/file"
+  refused 'cannot be made' measure "$here/run" --between -0.3,0.05,2.1 -0.05,0.02,2.1 --out "$here/file/images"
   run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --only 'blue box height' \
     --out "$here/images" --require 'measured>=1' --require 'max_error_m<=0.015'
   said 'blue box width'
@@ -85,6 +92,13 @@ files() {
   run 0 recover "$map" --out "$here/again.rastro"
   said 'nothing'
   cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"
+
+  mkdir -p "$here/broken/depth"
+  cp -r "$room"/*.txt "$room"/*.yaml "$room/rgb" "$here/broken"
+  for file in "$room"/depth/*; do : >"$here/broken/depth/$(basename "$file")"; done
+  echo kept >"$here/scans.log"
+  run 2 convert "$here/broken" --to scan --out "$here/scans.log" --quiet
+  [[ $(<"$here/scans.log") == kept ]] || fail "a conversion without a scan emptied an existing file"
 
   refused 'already exists' recover "$map" --out "$here/saved.rastro"
   refused 'not a map of rastro' localize "$room" --map "$room/rgb.txt" --out "$here/no"
@@ -123,6 +137,7 @@ landmarks() {
   [[ ! -e $here/run.mcap.images ]] || fail "images of the recording were left beside the file"
   run 0 export "$map" --to colmap-binary --out "$here/colmap"
   [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
+  refused '--submap all' export "$map" --to tum --submap all --out "$here/no"
   cp "$map" "$here/alone.rastro"
   refused "no layer 'images'" measure "$here/alone.rastro" --between 0,0,1 0,0,2
   run 0 measure "$here/alone.rastro" --images "$room" --objects "$room/objects.yaml" --only 'blue box width' --require 'max_error_m<=0.01'
@@ -141,6 +156,7 @@ landmarks() {
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left a folder"
   mono
+  overlap
 }
 
 # A map of one camera, brought to meters twice: the second time it is there already.
@@ -156,7 +172,9 @@ mono() {
   refused 'has no landmark' scale "$here/mono" --length 1,987654321,2
   refused 'name a known length with --known' measure "$here/mono" --objects "$room/objects.yaml"
   refused "did you mean 'blue box width'?" measure "$here/mono" --objects "$room/objects.yaml" --known 'blue bx'
+  echo '{"maps": [{"lengths": []}]}' >"$here/mono/lengths.json"
   run 0 scale "$here/mono" --reference "$room"
+  [[ ! -e $here/mono/lengths.json && -s $here/mono/lengths_before_scale.json ]] || fail "lengths of another unit stay with the map"
   run 0 scale "$here/mono" --reference "$room" --json
   grep -Eq '"meters_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in meters: $(cat "$here/stdout")"
   cp -r "$here/mono" "$here/mono_again"
@@ -168,6 +186,25 @@ mono() {
   run 0 evaluate trajectory "$room" "$here/mono" --align se3 --require 'ate_rmse<=0.1'
   run 0 measure "$here/mono" --objects "$room/objects.yaml" --known 'blue box height' --only 'blue box width' --require 'max_error_percent<=10'
   ! grep -q 'blue box height' "$here/stdout" || fail "the known length is no result"
+}
+
+# A second recording whose clock begins where that of the first does: their poses are not merged by their stamps.
+overlap() {
+  run 0 slam "$room" --method orb --sensor mono --out "$here/first" --quiet
+  cp -r "$room" "$here/again"
+  run 0 slam "$here/again" --sensor mono --map "$here/first" --continue --out "$here/both" --quiet
+  run 0 info "$here/both" --json
+  local all last
+  all=$(value_of poses "$here/stdout")
+  run 0 export "$here/both/map.rastro" --to tum --out "$here/last.tum"
+  said 'overlap in time'
+  last=$(grep -cv '^#' "$here/last.tum")
+  ((last < all)) || fail "$last of $all poses are exported: those of one session"
+  [[ $last -eq $(grep -cv '^#' "$here/both/trajectory.txt") ]] || fail "they are not those of the run"
+  sort -c -g "$here/last.tum" || fail "the stamps go back"
+  cp "$room/groundtruth.txt" "$here/elsewhere.txt"
+  refused 'of the recording of no session' scale "$here/both" --reference "$here/elsewhere.txt"
+  run 0 scale "$here/both" --reference "$room"
 }
 
 # The recording of the room there and back again, for minutes.
@@ -213,6 +250,8 @@ kill_one() {
   keyframes=$(value_of keyframes "$here/stdout")
   [[ $case_name != kill_locations ]] || ((made - keyframes <= 1)) || fail "kill $number: $keyframes of $made locations are left"
   run 0 recover "$run" --out "$here/saved$number.rastro"
+  run 0 export "$run" --to tum --out "$here/killed$number.txt"
+  [[ $(grep -cv '^#' "$here/killed$number.txt") -eq $kept ]] || fail "kill $number: not every pose of the map is exported"
   echo "kill $number: $kept poses, $((back / 10)) s before $before; $keyframes of $made keyframes"
 }
 

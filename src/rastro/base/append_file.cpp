@@ -64,10 +64,15 @@ void write_whole_file(const std::filesystem::path& path, const std::function<voi
   if (is_written_through(path)) return write(path);
   std::filesystem::path partial = path;
   partial += ".partial";
-  write(partial);
-  std::error_code code;
-  std::filesystem::rename(partial, path, code);
-  if (code) fail(path, "put in place", code.value());
+  std::error_code code, ignored;
+  try {
+    write(partial);
+    std::filesystem::rename(partial, path, code);
+    if (code) fail(path, "put in place", code.value());
+  } catch (...) {
+    std::filesystem::remove(partial, ignored);
+    throw;
+  }
 }
 
 std::string read_whole_file(const std::filesystem::path& path) {

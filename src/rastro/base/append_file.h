@@ -27,8 +27,9 @@ class AppendFile {
   int descriptor_ = -1;
 };
 
-/// Replaces a small file atomically: readers see the old one or the new one, never a part. A device, a pipe or what a
-/// link leads to is written as it stands instead; a pipe that nobody reads is an Error.
+/// Replaces a small file atomically: readers see the old one or the new one, never a part, and a failed write leaves
+/// the old one alone. A device, a pipe or what a link leads to is written as it stands instead; a pipe that nobody
+/// reads is an Error.
 void write_whole_file(const std::filesystem::path& path, std::string_view text);
 
 /// The same for a large file that is made in pieces: make(put) calls put(piece) with one after the other.

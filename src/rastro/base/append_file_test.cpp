@@ -61,6 +61,22 @@ TEST(WriteWholeFile, JoinsPiecesAndKeepsTheFormerFileUntilTheLast) {
   EXPECT_EQ(read_whole_file(path), "two pieces");
 }
 
+TEST(WriteWholeFile, AFailedOneLeavesTheFormerFileAlone) {
+  const auto path = scratch_path("failed.txt");
+  write_whole_file(path, "old");
+  const auto fail_later = [](const PutPiece& put) {
+    put("begun");
+    throw Error("no space is left", "here", "");
+  };
+  EXPECT_THROW(write_whole_file(path, fail_later), Error);
+  EXPECT_EQ(read_whole_file(path), "old");
+  EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
+  const auto folder = scratch_folder("failed");
+  write_whole_file(folder / "in_the_way", "");
+  EXPECT_THROW(write_whole_file(folder, "text"), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder.string() + ".partial"));
+}
+
 TEST(WriteWholeFile, ALinkStaysALink) {
   const auto target = scratch_path("target.txt"), link = scratch_path("link.txt");
   write_whole_file(target, "a former text");

@@ -12,6 +12,8 @@
 namespace rastro {
 namespace {
 
+constexpr std::size_t kalibr_coefficients = 4;  ///< Of radtan and of equidistant.
+
 std::string numbers(const std::vector<double>& values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(fmt::format("{:.17g}", value));
@@ -130,13 +132,21 @@ std::string opencv_calibration_text(const std::vector<CalibratedCameraEntry>& ca
   return text + own_lines(cameras.front());
 }
 
+bool has_kalibr_form(const std::vector<CalibratedCameraEntry>& cameras) {
+  return std::all_of(cameras.begin(), cameras.end(), [](const CalibratedCameraEntry& each) {
+    return coefficients_to_write(each.camera).size() == kalibr_coefficients;
+  });
+}
+
 std::string kalibr_calibration_text(const std::vector<CalibratedCameraEntry>& cameras) {
   std::string text;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const Camera& camera = cameras[i].camera;
-    if (camera.distortion == Distortion::rational)
-      throw Error("Kalibr has no rational lens model", cameras[i].name, "calibrate with another model for Kalibr");
     const std::vector<double> coefficients = coefficients_to_write(camera);
+    if (coefficients.size() != kalibr_coefficients)
+      throw Error(fmt::format("has {} distortion coefficients, Kalibr's models have {}", coefficients.size(),
+                              kalibr_coefficients),
+                  cameras[i].name, "calibrate with --model pinhole4 or equidistant for Kalibr");
     text += fmt::format(
         "cam{}:\n  camera_model: pinhole\n  distortion_model: {}\n  distortion_coeffs: {}\n  intrinsics: {}\n"
         "  resolution: [{}, {}]\n  rostopic: /{}/image_raw\n",

@@ -16,7 +16,10 @@ std::string depth_registration_text(const DepthRegistration& depth);
 /// OpenCV's FileStorage YAML: camera_matrix and distortion_coefficients of one camera; of a pair M1 D1 M2 D2, and R T
 /// (right from left).
 std::string opencv_calibration_text(const std::vector<CalibratedCameraEntry>& cameras);
-/// Kalibr's camchain, each camera relative to the one before. Error for the rational model, which it does not have.
+/// Whether Kalibr has their models: without a third radial coefficient, and not the rational one.
+bool has_kalibr_form(const std::vector<CalibratedCameraEntry>& cameras);
+
+/// Kalibr's camchain, each camera relative to the one before. Error for a model that it does not have.
 std::string kalibr_calibration_text(const std::vector<CalibratedCameraEntry>& cameras);
 
 }  // namespace rastro

@@ -43,6 +43,7 @@ TEST(WriteCalibrationTest, TheRationalModelIsReadBackFromRosAndOpenCv) {
   expect_same(ros.cameras.at(0).camera, pair[0].camera);
   const Calibration one = parse_calibration(opencv_calibration_text({pair[0]}), "opencv.yaml");
   expect_same(one.cameras.at(0).camera, pair[0].camera);
+  EXPECT_FALSE(has_kalibr_form(pair));
   EXPECT_THROW(kalibr_calibration_text(pair), Error);
 }
 
@@ -87,6 +88,11 @@ TEST(WriteCalibrationTest, EveryFormatIsReadBackWithTheSameNumbers) {
     ASSERT_TRUE(two.cameras[1].camera_from_previous.has_value());
     EXPECT_LT((two.cameras[1].camera_from_previous->inverse() * *pair[1].camera_from_previous).log().norm(), 1e-12);
     for (std::size_t camera = 0; camera < 2; ++camera) expect_same(two.cameras[camera].camera, pair[camera].camera);
+    ASSERT_EQ(has_kalibr_form(pair), k3 == 0.0);
+    if (k3 != 0.0) {
+      EXPECT_THROW(kalibr_calibration_text(pair), Error) << "radtan has exactly four coefficients";
+      continue;
+    }
     const Calibration chain = parse_calibration(kalibr_calibration_text(pair), "camchain.yaml");
     ASSERT_EQ(chain.cameras.size(), 2U);
     for (std::size_t camera = 0; camera < 2; ++camera) expect_same(chain.cameras[camera].camera, pair[camera].camera);

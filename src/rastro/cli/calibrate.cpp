@@ -8,6 +8,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/output_path.h"
 #include "rastro/base/text_file.h"
 #include "rastro/calibration/report.h"
 #include "rastro/camera/write_calibration.h"
@@ -39,8 +40,8 @@ Boards, sizes in meters:
   apriltag:6x6:0.03:0.009       tags, side of a tag, gap between two; with black squares between as Kalibr's; also
                                 seen in part. :FAMILY 36h11 (default), 36h10, 25h9, 16h5
 
-Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr; not of pinhole8), calibration.json,
-residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
+Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr; of pinhole4 and
+equidistant alone: its models have four coefficients), calibration.json, residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
 With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout, ROS
 bags and live depth cameras. Of a depth camera that does not register its depth to the color image, --depth-camera FILE tells the
 lens (calibrate its infrared images); camera.yaml then has depth_camera and color_from_depth, and every command that is
@@ -86,8 +87,7 @@ LensModel model_named(const std::string& name) {
 
 void refuse_existing_output(const CalibrateFlags& flags) {
   if (flags.out.empty()) throw Error("is missing", "--out", "say where the result goes");
-  if (!flags.force && std::filesystem::exists(flags.out))
-    throw Error("already exists", flags.out, "choose another --out or add --force");
+  refuse_existing(flags.out, flags.force);
 }
 
 void make_board(const CalibrateFlags& flags) {
@@ -102,9 +102,6 @@ void make_board(const CalibrateFlags& flags) {
 
 void write_files(const CalibrationReport& report, const Board& board, const std::filesystem::path& folder) {
   const std::vector<CalibratedCameraEntry> cameras = calibrated_cameras(report);
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw Error("cannot be made", folder.string(), "may you write there?");
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     write_whole_file(folder / (cameras[camera].name + ".yaml"), ros_calibration_text(cameras, camera));
     const std::string suffix = cameras.size() > 1 ? "_" + cameras[camera].name : "";
@@ -115,9 +112,12 @@ void write_files(const CalibrationReport& report, const Board& board, const std:
     write_uncertainty_image(report, camera, (folder / ("uncertainty" + suffix + ".png")).string());
   }
   write_whole_file(folder / "opencv.yaml", opencv_calibration_text(cameras));
-  // Kalibr has no rational model.
-  if (cameras.front().camera.distortion != Distortion::rational)
+  if (has_kalibr_form(cameras)) {
     write_whole_file(folder / "camchain.yaml", kalibr_calibration_text(cameras));
+  } else {
+    std::error_code ignored;
+    std::filesystem::remove(folder / "camchain.yaml", ignored);  // of a former calibration, with --force
+  }
   write_whole_file(folder / "calibration.json", calibration_json(report));
 }
 
@@ -215,6 +215,7 @@ void calibrate(const CalibrateFlags& flags) {
   if (flags.model != "auto") options.model = model_named(flags.model);
   check_flags(flags);
   refuse_existing_output(flags);
+  const OutputFolder out(flags.out);
   catch_interrupts();
   const std::unique_ptr<LiveBoards> page = live_page(flags);
   BoardImages found = find_images(flags, board, page.get());

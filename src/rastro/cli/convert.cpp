@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/log.h"
@@ -85,10 +87,24 @@ std::optional<LaserScan> scan_of(Frame& frame, const SourceInfo& info, std::opti
   return cutter->cut(frame.depth);
 }
 
-Written write_scans(Source& source, const ScanFromDepthOptions& options, AppendFile& file) {
+/// Opened by the first scan: data that gives none leaves an existing file as it is.
+class ScanFile {
+ public:
+  explicit ScanFile(std::string path) : path_(std::move(path)) {}
+
+  void append(const std::string& line) {
+    if (!file_) file_.emplace(path_).append(carmen_header());
+    file_->append(line);
+  }
+
+ private:
+  std::string path_;
+  std::optional<AppendFile> file_;
+};
+
+Written write_scans(Source& source, const ScanFromDepthOptions& options, ScanFile& file) {
   Written written;
   std::optional<ScanFromDepth> cutter;
-  file.append(carmen_header());
   const std::atomic<bool>& stop = catch_interrupts();
   for (;;) {
     written.interrupted = stop.load();
@@ -146,7 +162,7 @@ void convert(ConvertFlags& flags) {
   require_scans_or_depth(source->info());
   for (const std::string& warning : source->info().warnings) log_warning(warning);
   refuse_own_data(flags.data.path, flags.out);
-  AppendFile file(flags.out);
+  ScanFile file(flags.out);
   const Written written = write_scans(*source, flags.cut, file);
   if (written.scans == 0) throw Error("no frame gave a scan", flags.data.path, "'rastro check' lists what is wrong");
   if (written.returns == 0)

@@ -10,6 +10,7 @@
 
 #include "rastro/base/text.h"
 #include "rastro/cli/map_sessions.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/layer_type.h"
 
@@ -34,9 +35,15 @@ MapFigures figures_of(const Map& map) {
   }
   figures.submaps = submaps.size();
   if (!box.isEmpty()) figures.extent = box.sizes();
-  const Trajectory trajectory = trajectory_of(map);
-  figures.poses = trajectory.size();
-  if (!trajectory.empty()) figures.seconds = to_seconds(trajectory.back().stamp - trajectory.front().stamp);
+  const auto add = [&figures](const Trajectory& trajectory) {
+    figures.poses += trajectory.size();
+    if (!trajectory.empty()) figures.seconds += to_seconds(trajectory.back().stamp - trajectory.front().stamp);
+  };
+  if (!sessions_overlap(map)) {
+    add(trajectory_of(map));
+  } else {
+    for (std::size_t session = 0; session < map.sessions.size(); ++session) add(trajectory_of_session(map, session));
+  }
   return figures;
 }
 

@@ -15,6 +15,7 @@
 #include "rastro/cli/export_formats.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/export/landmark_export.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/mesh/build_mesh.h"
 
@@ -37,7 +38,8 @@ All maps:
   pcd      the same for the Point Cloud Library
   g2o      pose graph of the keyframes with information matrices; orb: the essential graph
   pgm      FILE.pgm and FILE.yaml of ROS map_server: occupancy grid of the laser, or a slice between two heights (rgbd)
-  tum, kitti, euroc   poses of all frames; kitti also writes FILE_times.txt
+  tum, kitti, euroc   poses of all frames; kitti also writes FILE_times.txt. Of a map file those of all its sessions, but
+           where these overlap in time, as with clocks that begin at 0, those of the last one alone (html and mcap, too)
 rgbd and orb:
   colmap   folder with cameras.txt, images.txt, points3D.txt and images/; orb: the images are those of the recording, by
            their own names, and landmarks observed once are omitted
@@ -204,6 +206,7 @@ ExportInput chosen_input(const ExportFlags& flags) {
   const auto given = [&](const char* flag) { return is_given(flags, flag); };
   if (!input.map) return input;
   const int submap = flags.settings.cloud.submap;
+  if (submap < 0) refuse_all_submaps(flags.settings.to, input);
   if (given("--submap")) {
     const auto& keyframes = input.map->keyframes;
     const bool there = std::any_of(keyframes.begin(), keyframes.end(),
@@ -218,6 +221,14 @@ ExportInput chosen_input(const ExportFlags& flags) {
   return input;
 }
 
+void warn_of_overlap(const ExportFlags& flags, const ExportInput& input) {
+  const std::vector<std::string> of_poses = {"html", "mcap", "tum", "kitti", "euroc"};
+  const bool has_poses = std::find(of_poses.begin(), of_poses.end(), flags.settings.to) != of_poses.end();
+  if (has_poses && input.map && sessions_overlap(*input.map))
+    log_warning(one_line(input.path) +
+                ": its sessions overlap in time; the poses of frames are those of the last one alone");
+}
+
 void run_export(ExportFlags& flags) {
   const Format& format = format_named(flags.settings.to);
   settle(flags);
@@ -225,6 +236,7 @@ void run_export(ExportFlags& flags) {
   refuse_input(flags);
   const ExportInput input = chosen_input(flags);
   fit_to_sensor(flags, input);
+  warn_of_overlap(flags, input);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
   const ExportFacts facts = format.write({flags.settings, input, pool, [&](std::size_t done, std::size_t all) {
@@ -299,7 +311,10 @@ void add_other_flags(CLI::App& command, ExportFlags& flags) {
       .add_option("--images", flags.settings.images,
                   "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
       ->type_name("DATA");
-  command.add_option("--submap", flags.submap, "Submap (default: 0, the first)")->type_name("N|all");
+  command
+      .add_option("--submap", flags.submap,
+                  "Submap (default: 0, the first); all: not for tum, kitti, euroc, pgm of scans")
+      ->type_name("N|all");
   command.add_flag("--upright", flags.settings.upright,
                    "ply, pcd, mesh, octomap: level the map, z up, origin on the floor");
   command

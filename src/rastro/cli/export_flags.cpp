@@ -74,6 +74,14 @@ void refuse_unused_flags(const std::vector<std::string>& given, const std::strin
   }
 }
 
+void refuse_all_submaps(const std::string& to, const ExportInput& input) {
+  const bool is_of_poses = to == "tum" || to == "kitti" || to == "euroc";
+  const bool is_of_scans = to == "pgm" && input.map && input.map->layer<ScanLayer>();
+  if (is_of_poses || is_of_scans)
+    throw Error(fmt::format("--to {} holds one submap: each is in a frame of its own", to), "--submap all",
+                "give a number; 'rastro info' lists them");
+}
+
 std::shared_ptr<const Map> with_landmarks_within(const Map& map, std::size_t min_count, double max_depth) {
   auto chosen = std::make_shared<Map>(map);
   const auto all = map.layer<LandmarkLayer>();

@@ -45,6 +45,27 @@ TEST(ExportFlags, ThoseThatTheFormatDoesNotUseAreRefused) {
   EXPECT_EQ(refusal("--submap", "tum", Kind::poses), "--submap: does not apply to --to tum of poses; omit it");
 }
 
+std::string refusal_of_all(const std::string& to, Kind kind) {
+  try {
+    refuse_all_submaps(to, input_of(kind));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ExportFlags, AllSubmapsAreRefusedWhereOneIsWritten) {
+  const auto said = [](const std::string& to) {
+    return "--submap all: --to " + to +
+           " holds one submap: each is in a frame of its own; give a number; 'rastro info' "
+           "lists them";
+  };
+  for (const char* to : {"tum", "kitti", "euroc"}) EXPECT_EQ(refusal_of_all(to, Kind::landmarks), said(to));
+  EXPECT_EQ(refusal_of_all("pgm", Kind::scans), said("pgm"));
+  EXPECT_EQ(refusal_of_all("pgm", Kind::images), "") << "a slice of the surfaces of all";
+  EXPECT_EQ(refusal_of_all("ply", Kind::scans), "");
+}
+
 TEST(ExportFlags, PagesTakeTheirOwn) {
   for (const Kind kind : {Kind::images, Kind::landmarks, Kind::scans}) {
     for (const char* to : {"html", "mcap"}) {

@@ -40,11 +40,11 @@ ExportInput read_run(const fs::path& folder) {
   input.path = folder.string();
   const fs::path map = folder / "map.rastro", poses = folder / "trajectory.txt";
   if (is_file(map)) input.map = load_map(map);
-  const bool found_no_pose = input.map && is_file(poses) && !has_poses(poses);  // as where nothing joined the map
-  if (found_no_pose) {
-    input.trajectory = trajectory_of(*input.map);
-  } else if (is_file(poses)) {
+  // A killed run has no trajectory.txt, one in which nothing joined the map has no pose in it.
+  if (is_file(poses) && (!input.map || has_poses(poses))) {
     input.trajectory = read_trajectory(poses.string());
+  } else if (input.map) {
+    input.trajectory = trajectory_of(*input.map);
   }
   if (!input.map && input.trajectory.empty())
     throw Error("has neither map.rastro nor trajectory.txt", input.path, "give a run folder or a map file");

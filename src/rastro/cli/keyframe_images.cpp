@@ -14,6 +14,7 @@
 #include "rastro/base/log.h"
 #include "rastro/base/text_file.h"
 #include "rastro/camera/stereo_rectification.h"
+#include "rastro/cli/readable_frames.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/map/images/pack_images.h"
@@ -109,7 +110,7 @@ Names write_decoded(Source& source, const Map& map, const std::vector<const Keyf
   for (const Keyframe* keyframe : keyframes) wanted[keyframe->frame] = keyframe;
   Names names;
   while (names.size() < wanted.size()) {
-    auto frame = source.next();
+    auto frame = next_readable(source);
     if (!frame) break;
     const auto found = wanted.find(frame->index);
     if (found == wanted.end() || (source.info().has_stamps && frame->stamp != found->second->stamp)) continue;

@@ -12,10 +12,12 @@
 namespace rastro::cli {
 namespace {
 
-void scale_points(LengthObject& object, double factor) {
+/// As scaled() does with the map.
+void scale_points(LengthObject& object, const Eigen::Vector3d& fixed, double factor) {
+  const auto move = [&](Eigen::Vector3d& point) { point = fixed + factor * (point - fixed); };
   for (LengthPoint* end : {&object.a, &object.b}) {
-    end->point *= factor;
-    if (end->face) *end->face *= factor;
+    move(end->point);
+    if (end->face) move(*end->face);
   }
 }
 
@@ -34,7 +36,7 @@ std::tuple<std::shared_ptr<const Map>, std::vector<LengthObject>> roughly_metric
   MapScaleFound rough;
   rough.meters_per_unit = *object->true_length_m / (object->a.point - object->b.point).norm();
   rough.from = "a known length";
-  for (LengthObject& one : objects) scale_points(one, rough.meters_per_unit);
+  for (LengthObject& one : objects) scale_points(one, fixed_point_of(*map), rough.meters_per_unit);
   return {std::make_shared<const Map>(scaled(*map, rough)), std::move(objects)};
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,10 +15,6 @@ struct SessionShare {
   std::size_t keyframes = 0;
   std::set<int> submaps;  ///< Of these keyframes.
 };
-
-/// The session of each keyframe, an index into those of the map: the one in its id, or where a method numbers all
-/// keyframes on, the next as soon as their stamps jump back or leave the span of one. nullopt where there is none.
-std::vector<std::optional<std::size_t>> sessions_of_keyframes(const Map& map);
 
 /// In the order of the sessions.
 std::vector<SessionShare> session_shares(const Map& map);

@@ -126,6 +126,30 @@ TEST(ExportInput, ARunThatJoinedNoMapHasThePosesOfTheMap) {
   save_map(map, (folder / "map.rastro").string());
   write_whole_file((folder / "trajectory.txt").string(), "# world_from_body; meters\n");
   EXPECT_EQ(read_export_input(folder.string()).trajectory.size(), 1U);
+  std::filesystem::remove(folder / "trajectory.txt");
+  EXPECT_EQ(read_export_input(folder.string()).trajectory.size(), 1U) << "of a killed run";
+}
+
+TEST(MapRecordings, AReferenceIsOfTheSessionInWhoseRecordingItIs) {
+  const std::filesystem::path folder = scratch_folder("references");
+  for (const char* name : {"first", "first_again", "third"}) std::filesystem::create_directories(folder / name);
+  Map map = numbered_on();
+  map.sessions[0].recording = (folder / "first").string();
+  map.sessions[1].recording = (folder / "first" / "").string();
+  map.sessions[2].recording = (folder / "third").string();
+  EXPECT_EQ(session_of_reference(map, folder, folder / "third" / "groundtruth.txt"), 2U);
+  EXPECT_EQ(session_of_reference(map, folder, folder / "third"), 2U);
+  EXPECT_EQ(session_of_reference(map, folder, folder / "third" / ".." / "first" / "poses.txt"), 1U) << "the last one";
+  EXPECT_EQ(session_of_reference(map, folder, folder / "first_again"), std::nullopt);
+  EXPECT_EQ(session_of_reference(map, folder, folder), std::nullopt);
+}
+
+TEST(MapSessions, InfoCountsThePosesOfAllThatOverlap) {
+  MapFileReport report;
+  Map map = numbered_on();
+  for (const int stamp_s : {10, 20, 10, 15, 18}) map.frames.push_back({stamp_s * ns_per_second, 0, SE3()});
+  report.map = std::make_shared<const Map>(map);
+  EXPECT_THAT(describe_map(report, "map.rastro"), HasSubstr("5 poses in 18.0 s"));
 }
 
 }  // namespace

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <variant>
 
 #include "rastro/base/error.h"
 #include "rastro/base/version.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/map/images/image_layer.h"
 
 namespace rastro::cli {
@@ -53,15 +55,22 @@ struct LayerTaker {
 
 bool is_shown(const Keyframe& keyframe, int submap) { return submap < 0 || keyframe.submap == submap; }
 
+/// ROBOT/SESSION/NUMBER where there are several sessions; some methods number all keyframes of a map on.
+std::string keyframe_name(const Map& map, const Keyframe& keyframe, std::optional<std::size_t> session) {
+  const KeyframeOrigin origin = origin_of(keyframe.id);
+  if (map.sessions.size() < 2) return fmt::format("{}", origin.number);
+  const int number = session ? map.sessions[*session].session : origin.session;
+  return fmt::format("{}/{}/{}", origin.robot, number, origin.number);
+}
+
 /// In the order of the scene's rows.
 void add_keyframes(const Map& map, int submap, McapRun& run) {
-  for (const Keyframe& keyframe : map.keyframes) {
-    if (!is_shown(keyframe, submap)) continue;
-    const KeyframeOrigin origin = origin_of(keyframe.id);
-    const bool alone = map.sessions.size() < 2;
-    run.keyframes.push_back({alone ? fmt::format("{}", origin.number)
-                                   : fmt::format("{}/{}/{}", origin.robot, origin.session, origin.number),
-                             {keyframe.stamp, keyframe.world_from_camera}});
+  const auto sessions = sessions_of_keyframes(map);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
+    if (is_shown(keyframe, submap))
+      run.keyframes.push_back(
+          {keyframe_name(map, keyframe, sessions[k]), {keyframe.stamp, keyframe.world_from_camera}});
   }
 }
 
@@ -91,13 +100,7 @@ Trajectory trajectory_in(const ExportInput& input, int submap) {
   std::set<int> submaps;
   for (const Keyframe& keyframe : input.map->keyframes)
     if (is_shown(keyframe, submap)) submaps.insert(keyframe.submap);
-  Trajectory all;
-  for (const int each : submaps) {
-    const Trajectory part = trajectory_of(*input.map, each);
-    all.insert(all.end(), part.begin(), part.end());
-  }
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
-  return all;
+  return trajectory_of(*input.map, submaps);
 }
 
 /// Events, and changes of the state that no event tells.

@@ -52,6 +52,16 @@ TEST(McapInput, TakesPosesAndStampsAsTheyAre) {
   EXPECT_EQ(run.camera->fx, input.map->cameras.front().intrinsics.fx);
 }
 
+TEST(McapInput, NamesKeyframesNumberedOnByTheirSessions) {
+  Map map = make_test_map(3);
+  const TimeNs first = map.keyframes.front().stamp, last = map.keyframes.back().stamp;
+  map.sessions = {{0, 0, "first", first, last, {}}, {0, 1, "second", first, last, {}}};
+  map.keyframes[2].stamp = first;
+  std::vector<std::string> names;
+  for (const auto& keyframe : run_of(input_of(std::move(map))).keyframes) names.push_back(keyframe.name);
+  EXPECT_THAT(names, ElementsAre("0/0/0", "0/0/1", "0/1/2"));
+}
+
 TEST(McapInput, TakesLayersUnderTheirNames) {
   const McapRun run = run_of(input_of(make_landmark_test_map()));
   ASSERT_FALSE(run.points.empty());

@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/output_path.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/cli/command.h"
@@ -17,6 +19,7 @@
 #include "rastro/cli/limits.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/cli/recorded_images.h"
+#include "rastro/cli/recording_of_run.h"
 #include "rastro/evaluate/length_report.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/evaluate/trajectory_pairs.h"
@@ -113,12 +116,13 @@ OpenedMap open_map(const std::string& path, const std::string& recording) {
 SE3 aligned(OpenedMap& map, const std::string& path, const std::string& ground_truth_file_name) {
   if (!map.map) throw Error("has no trajectory to align", path, "give a map file or a run folder");
   const TrajectoryInput ground_truth = read_trajectory_input(ground_truth_file_name);
+  const auto session = session_of_reference(*map.map, map_file_of(path), ground_truth_file_name);
   if (!scale_of(*map.map).metric)
     map.map = std::make_shared<const Map>(
-        scaled(*map.map, scale_from_reference(*map.map, ground_truth.poses, ground_truth_file_name)));
+        scaled(*map.map, scale_from_reference(*map.map, ground_truth.poses, ground_truth_file_name, session)));
   constexpr TimeNs max_difference = 20'000'000;
   std::vector<Eigen::Vector3d> target, source;
-  const Trajectory trajectory = trajectory_of(*map.map);
+  const Trajectory trajectory = trajectory_for_reference(*map.map, session, ground_truth_file_name);
   for (const PosePair& pair : pair_by_stamp(ground_truth.poses, trajectory, max_difference)) {
     target.push_back(ground_truth.poses[pair.reference].world_from_body.translation());
     source.push_back(trajectory[pair.estimate].world_from_body.translation());
@@ -193,7 +197,6 @@ std::string file_name_of(const std::string& name) {
 void write_images(const fs::path& folder, std::size_t number, const Map& map,
                   const std::vector<MeasuredLength>& lengths) {
   const auto images = images_of(map);
-  fs::create_directories(folder);
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     const MeasuredLength& one = lengths[k];
     if (one.image.keyframe < 0 || !one.length_m) continue;
@@ -216,6 +219,8 @@ int measure(const MeasureFlags& flags) {
   if (!wanted.in_frame_of_ground_truth && !flags.align.empty())
     throw Error("is unused: the points are given in the frame of the map", "--align",
                 "omit it, or set 'frame:' in the file of --objects");
+  std::optional<OutputFolder> out;
+  if (!flags.out.empty()) out.emplace(flags.out);
   TaskPool pool(flags.threads);
   MapLengthOptions options;
   options.seed = flags.seed;

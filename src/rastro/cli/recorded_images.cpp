@@ -7,6 +7,7 @@
 #include <map>
 
 #include "rastro/base/error.h"
+#include "rastro/cli/readable_frames.h"
 #include "rastro/dataset/open.h"
 #include "rastro/map/images/pack_images.h"
 
@@ -47,7 +48,7 @@ void add_images(const Map& map, const MapRecording& part, MemoryImages& store, I
   for (const KeyframeId id : part.keyframes) wanted[map.find(id)->stamp] = id;
   std::size_t missing = wanted.size();
   while (missing > 0) {
-    auto frame = source->next();
+    auto frame = next_readable(*source);
     if (!frame) break;
     const auto found = wanted.find(frame->stamp);
     if (found == wanted.end()) continue;

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rastro/base/text_file.h"
-#include "rastro/cli/map_sessions.h"
+#include "rastro/map/graph/sessions.h"
 
 namespace rastro::cli {
 namespace {
@@ -35,10 +35,34 @@ std::string found_from(const fs::path& path, const std::string& working_folder) 
   return path.is_relative() && is_there(from_there) ? from_there.string() : "";
 }
 
+/// Whether `path` is `folder` or below it, whatever links lead to either.
+bool is_in(const fs::path& path, const fs::path& folder) {
+  std::error_code code;
+  const fs::path whole = fs::canonical(folder, code);
+  if (code) return false;
+  const fs::path rest = fs::weakly_canonical(path, code).lexically_relative(whole);
+  return !code && !rest.empty() && *rest.begin() != "..";
+}
+
 /// Formats whose cameras go by a name that --camera takes.
 bool names_its_cameras(const std::string& format) { return format != "images" && format != "video"; }
 
 MapRecording part_of(const RecordingOfRun& recording, const std::string& named) { return {recording, named, {}}; }
+
+/// Without keyframes.
+std::vector<MapRecording> recordings_of_sessions(const Map& map, const fs::path& run_or_map,
+                                                 const RecordingOfRun& of_run) {
+  const std::string working_folder = about_of_run(run_or_map).value("working_folder", "");
+  std::vector<MapRecording> all;
+  for (const MapSession& session : map.sessions) {
+    if (session.recording.empty()) {  // as in maps of earlier versions
+      all.push_back(part_of(of_run, of_run.path));
+    } else {
+      all.push_back(part_of({found_from(session.recording, working_folder), ""}, session.recording));
+    }
+  }
+  return all;
+}
 
 }  // namespace
 
@@ -63,21 +87,21 @@ std::vector<MapRecording> recordings_of_map(const Map& map, const fs::path& run_
     for (const Keyframe& keyframe : map.keyframes) one.front().keyframes.insert(keyframe.id);
     return one;
   }
-  const std::string working_folder = about_of_run(run_or_map).value("working_folder", "");
-  std::vector<MapRecording> all;
-  for (const MapSession& session : map.sessions) {
-    if (session.recording.empty()) {  // as in maps of earlier versions
-      all.push_back(part_of(of_run, of_run.path));
-    } else {
-      all.push_back(part_of({found_from(session.recording, working_folder), ""}, session.recording));
-    }
-  }
+  std::vector<MapRecording> all = recordings_of_sessions(map, run_or_map, of_run);
   if (!of_run.path.empty() && all.back().recording.path == of_run.path) all.back().recording = of_run;
   const auto sessions = sessions_of_keyframes(map);
   for (std::size_t k = 0; k < map.keyframes.size(); ++k)
     if (sessions[k]) all[*sessions[k]].keyframes.insert(map.keyframes[k].id);
   std::erase_if(all, [](const MapRecording& part) { return part.keyframes.empty(); });
   return all;
+}
+
+std::optional<std::size_t> session_of_reference(const Map& map, const fs::path& run_or_map, const fs::path& reference) {
+  const auto all = recordings_of_sessions(map, run_or_map, recording_of_run(run_or_map));
+  for (std::size_t session = all.size(); session > 0; --session)
+    if (const std::string& path = all[session - 1].recording.path; !path.empty() && is_in(reference, path))
+      return session - 1;
+  return std::nullopt;
 }
 
 bool any_found(const std::vector<MapRecording>& recordings) {

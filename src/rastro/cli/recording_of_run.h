@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -28,6 +30,11 @@ struct MapRecording {
 /// --images), if not empty, stands for all of them. Each has keyframes; several sessions may be of one recording.
 std::vector<MapRecording> recordings_of_map(const Map& map, const std::filesystem::path& run_or_map,
                                             const std::string& given);
+
+/// The last session whose recording the reference is, or lies in the folder of; nullopt where there is none. Several
+/// sessions of one recording have one clock, so that any of them does.
+std::optional<std::size_t> session_of_reference(const Map& map, const std::filesystem::path& run_or_map,
+                                                const std::filesystem::path& reference);
 
 /// Whether any is there.
 bool any_found(const std::vector<MapRecording>& recordings);

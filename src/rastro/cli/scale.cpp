@@ -11,6 +11,7 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/map_path.h"
+#include "rastro/cli/recording_of_run.h"
 #include "rastro/cli/scale_run.h"
 #include "rastro/cli/trajectory_files.h"
 #include "rastro/map/file/map_file.h"
@@ -22,11 +23,13 @@ namespace {
 constexpr const char* scale_footer =
     R"(A map of one camera is known up to scale. This estimates the scale with its sigma and makes the map metric; of a run
 (its folder, or the map.rastro in it) also trajectory.txt, trajectory_online.txt, covariance_online.txt, keyframes.txt,
-map.png and result.json. Give one of:
+map.png and result.json. The first keyframe stays where it is, so that --initial-pose holds. Give one of:
   --length         distance in meters between two landmarks (ids: 'rastro export RUN --to landmarks --out landmarks.csv')
-                   or, as f0,f120,METERS, between the camera positions of two frames. The sigma is from the residuals of
-                   two or more lengths, from the landmarks' position sigmas of one, and unknown with one pair of frames
-  --reference      trajectory file or recording with ground truth, with the timestamps of the recording
+                   or, as f0,f120,METERS, between the camera positions of two frames (of the first session). The sigma is
+                   from the residuals of two or more lengths, from the landmarks' position sigmas of one, and unknown
+                   with one pair of frames
+  --reference      trajectory file or recording with ground truth, with the timestamps of the recording. Of a map whose
+                   sessions overlap in time: the recording of one of them, or a file in its folder
   --camera-height  height of a level camera that looks along its motion over flat ground, as on a car
 Maps from stereo or depth are metric already.
 
@@ -77,7 +80,8 @@ MapScaleFound find_scale(const ScaleFlags& flags, const Map& map) {
   const ReferenceTrajectory reference = read_reference(flags.reference, {});
   if (!reference.input.has_stamps)
     throw Error("has no timestamps", flags.reference, "put its times.txt beside it, or convert it to TUM format");
-  return scale_from_reference(map, poses_of_camera(reference), "--reference");
+  return scale_from_reference(map, poses_of_camera(reference), "--reference",
+                              session_of_reference(map, map_file_of(flags.map), flags.reference));
 }
 
 std::shared_ptr<const Map> scalable_map(const std::string& file) {

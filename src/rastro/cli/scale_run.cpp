@@ -11,6 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/folder_lock.h"
 #include "rastro/base/hash.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/export/cloud_image.h"
 #include "rastro/export/landmark_image.h"
@@ -36,8 +37,19 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// Scales the three numbers after the timestamp of every line; rotations are kept as they are written.
-std::string scaled_trajectory(const std::string& text, double factor, const std::string& where) {
+/// As scaled() does with the map.
+struct Stretch {
+  Eigen::Vector3d fixed;
+  double factor;
+
+  double of(double value, std::size_t axis) const {
+    const double still = fixed[static_cast<Eigen::Index>(axis)];
+    return still + factor * (value - still);
+  }
+};
+
+/// Moves the three numbers after the timestamp of every line; rotations are kept as they are written.
+std::string scaled_trajectory(const std::string& text, const Stretch& stretch, const std::string& where) {
   std::string result;
   for (const std::string_view line : split(text, '\n')) {
     if (line.empty()) continue;
@@ -54,7 +66,7 @@ std::string scaled_trajectory(const std::string& text, double factor, const std:
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto value = parse_finite(words[i]);
       if (!value) throw Error("is not the trajectory of a run", where, "scale its map.rastro alone");
-      result += i <= 3 ? fmt::format(" {:.9f}", factor * *value) : fmt::format(" {}", words[i]);
+      result += i <= 3 ? fmt::format(" {:.9f}", stretch.of(*value, i - 1)) : fmt::format(" {}", words[i]);
     }
     result += '\n';
   }
@@ -106,10 +118,23 @@ void write_image(const Map& in_meters, const std::string& file) {
     write_landmark_image(in_meters, file);
 }
 
+/// Its points are in the map's former unit, its lengths may be in meters already: no factor is right for both.
+void set_lengths_aside(const fs::path& folder) {
+  const fs::path lengths = folder / "lengths.json", aside = folder / "lengths_before_scale.json";
+  if (!is_there(lengths)) return;
+  std::error_code code;
+  fs::rename(lengths, aside, code);
+  if (code) throw Error("cannot be renamed (" + code.message() + ")", lengths.string(), "remove it");
+  log_warning(one_line(lengths.string()) +
+              ": was measured before in another unit and is lengths_before_scale.json now; "
+              "'rastro measure RUN --json' measures anew");
+}
+
 }  // namespace
 
 void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
   const FolderLock lock(folder);
+  const Stretch stretch{fixed_point_of(in_meters), found.meters_per_unit};
   std::vector<NewFile> files;
   std::string trajectory, keyframes;
   for (const char* name : {"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "covariance_online.txt"}) {
@@ -118,7 +143,7 @@ void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapSca
     const std::string text = read_whole_file(file);
     const bool covariance = std::string_view(name).starts_with("covariance");
     files.push_back({file, covariance ? scaled_covariances(text, found.meters_per_unit, file.string())
-                                      : scaled_trajectory(text, found.meters_per_unit, file.string())});
+                                      : scaled_trajectory(text, stretch, file.string())});
     if (std::string_view(name) == "trajectory.txt") trajectory = files.back().bytes;
     if (std::string_view(name) == "keyframes.txt") keyframes = files.back().bytes;
   }
@@ -126,6 +151,7 @@ void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapSca
   const std::string former_result = is_there(result) ? read_whole_file(result) : "";
   if (!former_result.empty()) scaled_result(former_result, in_meters, found, "", result.string());
   save_map(in_meters, map);
+  set_lengths_aside(folder);
   for (const NewFile& file : files) write_whole_file(file.file, file.bytes);
   if (is_there(folder / "map.png")) write_image(in_meters, (folder / "map.png").string());
   if (former_result.empty()) return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -164,6 +165,12 @@ std::int64_t frames_of(const SimulateFlags& flags, const SimulatedWorld& world) 
   return flags.frames.value_or((left + flags.selection.every - 1) / flags.selection.every);
 }
 
+/// With --force: those of another world would be taken for those of this one.
+void remove_former_closures(const std::filesystem::path& recording) {
+  std::error_code ignored;
+  std::filesystem::remove(recording / "closures.yaml", ignored);
+}
+
 void simulate_camera(const SimulateFlags& flags) {
   const SimulatedWorld& simulated = simulated_world(flags.world_name);
   const std::int64_t frames = frames_of(flags, simulated);
@@ -180,6 +187,8 @@ void simulate_camera(const SimulateFlags& flags) {
     if (simulated.has_closures) {
       TaskPool pool(flags.world.threads);
       write_loop_closures(world, frames, flags.selection, written.recording, pool);
+    } else {
+      remove_former_closures(written.recording);
     }
   }
   if (!flags.quiet)

@@ -56,7 +56,10 @@ void load_map_of(const SlamFlags& flags, SlamContext& context) {
   }
   const std::filesystem::path file = map_file_of(flags.map);
   std::error_code ignored;
-  if (!flags.extend && std::filesystem::equivalent(std::filesystem::path(file).parent_path(), flags.out, ignored))
+  // Absolute: a bare map.rastro has no parent to compare. The file itself: it may be a link from elsewhere.
+  const std::filesystem::path folder = std::filesystem::absolute(file, ignored).parent_path(), out = flags.out;
+  if (!flags.extend && (std::filesystem::equivalent(folder, out, ignored) ||
+                        std::filesystem::equivalent(file, out / "map.rastro", ignored)))
     throw Error("holds the map, which would be overwritten", flags.out, "give another folder with --out");
   context.map = load_map(file);
   context.extend_map = flags.extend;

@@ -7,6 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/output_path.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/progress_bar.h"
@@ -62,15 +63,12 @@ void collect(const std::string& path, const VocabularyFlags& flags, OrbExtractor
   }
 }
 
-void refuse_existing(const VocabularyFlags& flags) {
-  if (!flags.force && std::filesystem::exists(flags.out))
-    throw Error("already exists", flags.out, "choose another --out or add --force");
-}
-
 void say(const VocabularyFlags& flags, const Descriptors& descriptors, const Vocabulary& vocabulary) {
   std::size_t count = 0;
   for (const auto& image : descriptors) count += image.size();
-  const auto bytes = std::filesystem::file_size(flags.out);
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(flags.out, ignored);  // not /dev/stdout
+  const auto bytes = is_file ? std::filesystem::file_size(flags.out, ignored) : 0;
   if (flags.json) {
     nlohmann::ordered_json json;
     json["out"] = flags.out;
@@ -88,7 +86,7 @@ void say(const VocabularyFlags& flags, const Descriptors& descriptors, const Voc
 }
 
 void train(const VocabularyFlags& flags) {
-  refuse_existing(flags);
+  refuse_existing(flags.out, flags.force);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
   OrbExtractor extractor(flags.features);

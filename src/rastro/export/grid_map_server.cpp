@@ -181,6 +181,20 @@ void read_cells(const PgmImage& image, const Thresholds& thresholds, OccupancyGr
   }
 }
 
+/// A name as YAML reads it back: "floor #1.pgm" would end before the comment. Plain names stay as map_server writes
+/// them.
+std::string as_yaml(const std::string& name) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  };
+  const bool begins_plainly = !name.empty() && name.front() != '-' && name.front() != '.';
+  if (begins_plainly && std::all_of(name.begin(), name.end(), is_plain)) return name;
+  std::string quoted;
+  for (const char c : name) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return "'" + quoted + "'";
+}
+
 }  // namespace
 
 std::string map_server_pgm(const OccupancyGrid& grid) {
@@ -204,7 +218,7 @@ void map_server_pgm(const OccupancyGrid& grid, const std::function<void(std::str
 std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image) {
   return fmt::format(
       "image: {}\nresolution: {:.9g}\norigin: [{:.9g}, {:.9g}, 0]\nnegate: 0\noccupied_thresh: {}\nfree_thresh: {}\n",
-      image, grid.cell_m, grid.origin.x(), grid.origin.y(), occupied_threshold, free_threshold);
+      as_yaml(image), grid.cell_m, grid.origin.x(), grid.origin.y(), occupied_threshold, free_threshold);
 }
 
 OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,

@@ -53,6 +53,19 @@ TEST(GridMapServer, ReadsBackWhatItWrites) {
   }
 }
 
+TEST(GridMapServer, ReadsBackTheImageOfAnyName) {
+  const OccupancyGrid grid = every_percentage();
+  EXPECT_THAT(map_server_yaml(grid, "a_1-b.pgm"), testing::StartsWith("image: a_1-b.pgm\n"));
+  EXPECT_THAT(map_server_yaml(grid, "floor #1.pgm"), testing::StartsWith("image: 'floor #1.pgm'\n"));
+  EXPECT_THAT(map_server_yaml(grid, "it's.pgm"), testing::StartsWith("image: 'it''s.pgm'\n"));
+  const auto folder = scratch_folder("names");
+  for (const std::string name : {"floor #1", "a: b", "it's", "[x]", "\"q\"", "- y", "caf\xc3\xa9"}) {
+    write_whole_file(folder / (name + ".pgm"), map_server_pgm(grid));
+    write_whole_file(folder / (name + ".yaml"), map_server_yaml(grid, name + ".pgm"));
+    EXPECT_EQ(read_map_server((folder / (name + ".yaml")).string()).width, grid.width) << name;
+  }
+}
+
 TEST(GridMapServer, GivesEveryPercentageItsOwnGrayAndTheTopRowFirst) {
   const std::string bytes = map_server_pgm(every_percentage());
   ASSERT_THAT(bytes, testing::StartsWith("P5\n17 6\n255\n"));

@@ -49,9 +49,11 @@ struct Model {
   std::vector<ModelPoint> points;
 };
 
-ModelImage image_of(const Keyframe& keyframe, const ImageFeatures* features, const ColmapNames& names) {
+/// Numbered on from 1: the id of a keyframe of a later session does not fit COLMAP's 32 bits.
+ModelImage image_of(const Map& map, std::size_t index, const ImageFeatures* features, const ColmapNames& names) {
+  const Keyframe& keyframe = map.keyframes[index];
   ModelImage image;
-  image.id = keyframe.id + 1;
+  image.id = static_cast<std::int64_t>(index) + 1;
   image.camera = keyframe.camera + 1;
   image.camera_from_world = keyframe.world_from_camera.inverse();
   const auto name = names.find(keyframe.id);
@@ -74,7 +76,7 @@ ImageTable images_of_part(const Map& map, const LandmarkPart& part, const Colmap
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (!part.has_keyframe(k)) continue;
     table.of_keyframe[k] = table.images.size();
-    table.images.push_back(image_of(map.keyframes[k], part.features_of(map.keyframes[k].id), names));
+    table.images.push_back(image_of(map, k, part.features_of(map.keyframes[k].id), names));
   }
   return table;
 }

@@ -110,7 +110,7 @@ TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
   std::size_t with_point = 0;
   for (const auto& keyframe : road().keyframes) {
     const Features& features = road().layer<FeatureLayer>()->find(keyframe.id)->features;
-    EXPECT_EQ(images.get<std::uint32_t>(), keyframe.id + 1);
+    EXPECT_EQ(images.get<std::uint32_t>(), *road().index_of(keyframe.id) + 1);
     for (int i = 0; i < 7; ++i) images.get<double>();
     EXPECT_EQ(images.get<std::uint32_t>(), 1U);
     EXPECT_EQ(images.text().size(), std::string("000000.png").size());
@@ -139,6 +139,35 @@ TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
   EXPECT_EQ(tracked, with_point);
 }
 
+/// The id of a keyframe of a later session is beyond COLMAP's 32 bits.
+TEST(LandmarkColmap, ImagesAreNumberedInTheirOrder) {
+  Map map = road();
+  auto landmarks = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
+  auto features = std::make_shared<FeatureLayer>(*map.layer<FeatureLayer>());
+  const KeyframeId last = map.keyframes.back().id, later = keyframe_id({0, 1, 0});
+  map.keyframes.back().id = later;
+  for (Landmark& landmark : landmarks->landmarks)
+    for (LandmarkObservation& each : landmark.observations)
+      if (each.keyframe == last) each.keyframe = later;
+  auto moved = features->of.extract(last);
+  moved.key() = later;
+  features->of.insert(std::move(moved));
+  map.layers.put<LandmarkLayer>(std::move(landmarks));
+  map.layers.put<FeatureLayer>(std::move(features));
+  const auto folder = scratch_path("colmap_sessions");
+  write_landmark_colmap(map, folder, ColmapForm::text, 0);
+  const auto images = lines_of(read_whole_file(folder / "images.txt"));
+  for (std::size_t row = 0; row + 1 < images.size(); row += 2)
+    EXPECT_EQ(numbers_of(images[row])[0], static_cast<double>(row / 2 + 1));
+  const auto size = static_cast<double>(map.keyframes.size());
+  double largest = 0.0;
+  for (const std::string& line : lines_of(read_whole_file(folder / "points3D.txt"))) {
+    const auto numbers = numbers_of(line);
+    for (std::size_t i = 8; i + 1 < numbers.size(); i += 2) largest = std::max(largest, numbers[i]);
+  }
+  EXPECT_EQ(largest, size);
+}
+
 TEST(LandmarkColmap, ImagesHaveTheirNamesAndLandmarksSeenOnceAreLeftOut) {
   Map map = road();
   auto landmarks = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
@@ -157,7 +186,7 @@ TEST(LandmarkColmap, ImagesHaveTheirNamesAndLandmarksSeenOnceAreLeftOut) {
   const auto images = lines_of(read_whole_file(folder / "images.txt"));
   const std::string absent = " " + std::to_string(landmarks->landmarks[5].id + 1);
   for (std::size_t row = 0; row + 1 < images.size(); row += 2) {
-    const bool named = static_cast<KeyframeId>(numbers_of(images[row])[0]) == lonely + 1;
+    const bool named = static_cast<std::size_t>(numbers_of(images[row])[0]) == *map.index_of(lonely) + 1;
     EXPECT_EQ(images[row].ends_with(" 1403715285262142976.png"), named) << images[row];
     const auto features = numbers_of(images[row + 1]);
     for (std::size_t i = 2; i < features.size(); i += 3) EXPECT_NE(" " + fmt::format("{:.0f}", features[i]), absent);

@@ -18,7 +18,8 @@ class VideoFile::Writer {
       throw Error("not a video file name", path_.string(), "end the name with .avi or .mp4");
     }
     const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
-    if (!std::filesystem::is_directory(folder)) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored)) {
       throw Error("the folder of the video does not exist", folder.string(), "create it first");
     }
   }

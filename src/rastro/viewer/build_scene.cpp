@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/map/cloud/upright.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/viewer/scene_parts.h"
 
 namespace rastro {
@@ -23,14 +24,6 @@ std::string name_of_recording(const std::string& path) {
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-int session_row(const Map& map, const Keyframe& keyframe) {
-  const KeyframeOrigin origin = origin_of(keyframe.id);
-  const auto found = std::find_if(map.sessions.begin(), map.sessions.end(), [&](const MapSession& each) {
-    return each.robot == origin.robot && each.session == origin.session;
-  });
-  return found == map.sessions.end() ? -1 : static_cast<int>(found - map.sessions.begin());
-}
-
 void add_sessions(const Map& map, ViewScene& scene) {
   for (const MapSession& each : map.sessions)
     scene.sessions.push_back({static_cast<int>(scene.sessions.size()), each.robot, name_of_recording(each.recording),
@@ -43,13 +36,14 @@ void add_sessions(const Map& map, ViewScene& scene) {
 
 void add_keyframes(const SceneJob& job, ViewScene& scene) {
   SceneKeyframes& keyframes = scene.keyframes;
+  const auto sessions = sessions_of_keyframes(job.map);
   for (const std::size_t index : job.rows.shown()) {
     const Keyframe& keyframe = job.map.keyframes[index];
     keyframes.ids.push_back(static_cast<std::int32_t>(origin_of(keyframe.id).number));
     keyframes.stamps_s.push_back(to_seconds(keyframe.stamp));
     detail::append(keyframes.poses, keyframe.world_from_camera.translation());
     detail::append(keyframes.poses, keyframe.world_from_camera.rotation().quaternion());
-    keyframes.sessions.push_back(session_row(job.map, keyframe));
+    keyframes.sessions.push_back(sessions[index] ? static_cast<int>(*sessions[index]) : -1);
     keyframes.submaps.push_back(keyframe.submap);
   }
 }
@@ -64,14 +58,7 @@ void add_camera(const Map& map, ViewScene& scene) {
 void add_frames(const SceneJob& job, ViewScene& scene) {
   std::set<int> submaps;
   for (const std::size_t index : job.rows.shown()) submaps.insert(job.map.keyframes[index].submap);
-  Trajectory trajectory;
-  for (const int submap : submaps) {
-    const Trajectory part = trajectory_of(job.map, submap);
-    trajectory.insert(trajectory.end(), part.begin(), part.end());
-  }
-  std::stable_sort(trajectory.begin(), trajectory.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
-  detail::set_frames(trajectory, scene.frames);
+  detail::set_frames(trajectory_of(job.map, submaps), scene.frames);
 }
 
 /// A planar map lies in x and y; else the normal of the floor, or the mean up direction of the cameras.

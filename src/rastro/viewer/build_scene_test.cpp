@@ -96,6 +96,17 @@ TEST(BuildScene, HasTheFramesOfTheMap) {
   }
 }
 
+/// As where a map is continued by a method that numbers keyframes on.
+TEST(BuildScene, KeyframesNumberedOnAreOfTheirSessions) {
+  Map map = make_test_map(4);
+  const TimeNs first = map.keyframes.front().stamp, last = map.keyframes.back().stamp;
+  map.sessions = {{0, 0, "first", first, last, {}}, {0, 1, "second", first, last, {}}};
+  map.keyframes[2].stamp = first;
+  map.keyframes[3].stamp = first + 1;
+  TaskPool pool(1);
+  EXPECT_EQ(build_scene(map, {}, pool).keyframes.sessions, (std::vector<std::int32_t>{0, 0, 1, 1}));
+}
+
 TEST(BuildScene, ThinsTheCloudAndFindsUp) {
   const Map map = make_test_map(6);
   const PointCloud cloud = build_cloud(map, cloud_options_for(map));

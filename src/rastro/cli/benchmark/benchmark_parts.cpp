@@ -74,7 +74,10 @@ std::string BenchmarkParts::make(const BenchmarkPart& part) {
   std::error_code ignored;
   fs::remove(mark_file(part.folder), ignored);
   fs::remove_all(out_ / part.folder, ignored);
-  fs::create_directories((out_ / part.folder).parent_path());
+  std::error_code code;
+  const fs::path folder = (out_ / part.folder).parent_path();
+  fs::create_directories(folder, code);
+  if (code) throw Error("cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
   std::vector<std::string> words;
   for (const std::string& word : part.words) words.push_back(resolved(word, out_));
   words.insert(words.end(), {"--out", (out_ / part.folder).string(), "--quiet"});

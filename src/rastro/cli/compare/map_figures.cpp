@@ -9,6 +9,7 @@
 #include "rastro/base/text_file.h"
 #include "rastro/cli/lengths_scale.h"
 #include "rastro/cli/recorded_images.h"
+#include "rastro/cli/recording_of_run.h"
 #include "rastro/cli/trajectory_files.h"
 #include "rastro/evaluate/cloud_agreement.h"
 #include "rastro/evaluate/length_report.h"
@@ -77,7 +78,9 @@ std::shared_ptr<const Map> map_to_measure(std::shared_ptr<const Map> map, const 
   if (scale_of(*map).metric) return map;
   try {
     const Trajectory ground_truth = poses_of_camera(read_reference(recording.string(), {}));
-    return std::make_shared<const Map>(scaled(*map, scale_from_reference(*map, ground_truth, recording.string())));
+    const auto session = session_of_reference(*map, file, recording);
+    return std::make_shared<const Map>(
+        scaled(*map, scale_from_reference(*map, ground_truth, recording.string(), session)));
   } catch (const Error&) {
     return nullptr;  // lost too early for a scale
   }

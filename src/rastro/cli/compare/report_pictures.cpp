@@ -165,7 +165,7 @@ std::string maps_of(const Report& report, std::size_t input, const fs::path& fol
     if (image.empty()) continue;
     std::string caption = escaped(column) + ": ";
     const fs::path page = map_page_of(*run, folder);
-    if (fs::exists(page)) caption += link_to(page, folder, "map in 3D") + ", ";
+    if (std::error_code ignored; fs::exists(page, ignored)) caption += link_to(page, folder, "map in 3D") + ", ";
     caption += link_to(run->folder, folder, "run folder");
     html += figure_with(image, caption + fmt::format(", <code>rastro view {}</code>", escaped(run->folder.string())));
   }

@@ -84,11 +84,7 @@ class GrowingMapFile::State {
     const std::filesystem::path aside = write_map_beside(map, file_);
     stop(true);
     const std::lock_guard lock(database_->mutex);
-    if (database_->database) {
-      database_->database->run("COMMIT");
-      // Closed before it is replaced: its log must not stay beside another file.
-      database_->database.reset();
-    }
+    close();
     written_.reset();
     replace_file(aside, file_);
     database_->database.emplace(Database::open(file_));
@@ -102,6 +98,17 @@ class GrowingMapFile::State {
 
   void start() {
     if (!writer_.joinable()) writer_ = std::thread([this] { write_now_and_then(); });
+  }
+
+  /// Requires the database mutex. The file is replaced next, by a map that is whole without its last rows: after a
+  /// failed write, as on a full disk, there is no transaction left to commit, and nothing to report.
+  void close() {
+    if (!database_->database) return;
+    try {
+      database_->database->run("COMMIT");
+    } catch (const Error&) {
+    }
+    database_->database.reset();
   }
 
   /// Requires the database mutex.

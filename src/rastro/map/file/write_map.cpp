@@ -28,6 +28,15 @@ void sync_to_disk(const std::filesystem::path& path) {
     throw Error(std::string("cannot be written (") + std::strerror(reason) + ")", path.string(), "check the disk");
 }
 
+/// SQLite would overlay the rows of a log onto whatever file has its name. It is left by a killed run, and by a run
+/// during which another process had the map open; such a process keeps reading what it opened.
+void remove_log(const std::filesystem::path& file) {
+  for (const char* ending : {"-wal", "-shm"}) {
+    std::error_code ignored;
+    std::filesystem::remove(file.string() + ending, ignored);
+  }
+}
+
 bool same(const SE3& a, const SE3& b) {
   return a.translation() == b.translation() && a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
 }
@@ -178,13 +187,16 @@ std::filesystem::path write_map_beside(const Map& map, const std::filesystem::pa
 }
 
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code code;
+  std::error_code code, ignored;
+  // Before, so that a crash in between leaves no log beside the new file; after, for a process that opened the former
+  // file meanwhile.
+  if (!std::filesystem::is_directory(to, ignored)) remove_log(to);
   std::filesystem::rename(from, to, code);
   if (code) {
-    std::error_code ignored;
     std::filesystem::remove(from, ignored);
     throw Error("cannot be put in place (" + code.message() + ")", to.string(), "choose another file");
   }
+  remove_log(to);
   sync_to_disk(to.has_parent_path() ? to.parent_path() : std::filesystem::path("."));
 }
 

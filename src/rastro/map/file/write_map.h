@@ -19,7 +19,8 @@ void write_changes(const Map* before, const Map& now, LayersWritten layers, Data
 /// left.
 std::filesystem::path write_map_beside(const Map& map, const std::filesystem::path& file);
 
-/// Atomically replaces one file by another, or creates it, safe against a power failure. On failure, `from` is removed.
+/// Atomically replaces a map file by another, or creates it, safe against a power failure; the log of the former file
+/// goes with it, so what is in it must have been read before. On failure, `from` is removed.
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace rastro

@@ -84,20 +84,6 @@ const Keyframe* Map::find(KeyframeId id) const {
   return index ? &keyframes[*index] : nullptr;
 }
 
-Trajectory trajectory_of(const Map& map, int submap) {
-  Trajectory trajectory;
-  for (const MapFrame& frame : map.frames) {
-    const Keyframe* keyframe = map.find(frame.keyframe);
-    if (keyframe && keyframe->submap == submap)
-      trajectory.push_back({frame.stamp, keyframe->world_from_camera * frame.keyframe_from_camera});
-  }
-  std::stable_sort(trajectory.begin(), trajectory.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
-  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; };
-  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
-  return trajectory;
-}
-
 Trajectory keyframe_trajectory(const Map& map, int submap) {
   Trajectory trajectory;
   for (const Keyframe& keyframe : map.keyframes)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -90,8 +91,10 @@ struct Map {
   }
 };
 
-/// world_from_camera of the frames in a submap, in the order of their stamps, each stamp once.
+/// world_from_camera of the frames in a submap, or in several, in the order of their stamps, each stamp once: of all
+/// sessions, but where these overlap in time, of the last one alone that has poses there (see sessions.h).
 Trajectory trajectory_of(const Map& map, int submap = 0);
+Trajectory trajectory_of(const Map& map, const std::set<int>& submaps);
 
 /// Of the keyframes of a submap, by stamp.
 Trajectory keyframe_trajectory(const Map& map, int submap = 0);

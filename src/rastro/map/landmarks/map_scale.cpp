@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/map/landmarks/jackknife.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/map/landmarks/landmark_uncertainty.h"
@@ -36,9 +37,18 @@ Landmark landmark_named(const Map& map, std::int64_t id, const std::string& wher
   return *found;
 }
 
+/// Each recording numbers its frames from 0.
+std::vector<Keyframe> keyframes_of_first_session(const Map& map) {
+  const auto sessions = sessions_of_keyframes(map);
+  std::vector<Keyframe> keyframes;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+    if (sessions[k].value_or(0) == 0) keyframes.push_back(map.keyframes[k]);
+  return keyframes;
+}
+
 /// Interpolates the stamp linearly between the keyframes around a frame.
 TimeNs stamp_of_frame(const Map& map, std::int64_t frame, const std::string& where) {
-  const auto& keyframes = map.keyframes;
+  const std::vector<Keyframe> keyframes = keyframes_of_first_session(map);
   const auto after =
       std::find_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) { return k.frame >= frame; });
   if (after != keyframes.end() && after->frame == frame) return after->stamp;
@@ -53,7 +63,7 @@ TimeNs stamp_of_frame(const Map& map, std::int64_t frame, const std::string& whe
 }
 
 Vector3d camera_at(const Map& map, std::int64_t frame, const std::string& where) {
-  const auto pose = pose_at(trajectory_of(map), stamp_of_frame(map, frame, where), largest_gap);
+  const auto pose = pose_at(trajectory_of_session(map, 0), stamp_of_frame(map, frame, where), largest_gap);
   if (!pose)
     throw Error(fmt::format("frame {} has no pose", frame), where, "take frames with a pose in trajectory.txt");
   return pose->translation();
@@ -118,10 +128,9 @@ struct PosesAtOneTime {
   std::vector<SE3> reference, map;
 };
 
-PosesAtOneTime poses_at_one_time(const Map& map, const Trajectory& reference, const std::string& where) {
+PosesAtOneTime poses_at_one_time(const Trajectory& trajectory, const Trajectory& reference, const std::string& where) {
   constexpr std::size_t least_pairs = 10;
   PosesAtOneTime poses;
-  const Trajectory trajectory = trajectory_of(map);
   for (const StampedPose& pose : trajectory) {
     const auto known = pose_at(reference, pose.stamp, largest_gap);
     if (!known) continue;
@@ -177,8 +186,17 @@ double turn_misfit_deg(const PosesAtOneTime& poses) {
 
 }  // namespace
 
-MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where) {
-  const PosesAtOneTime poses = poses_at_one_time(map, reference, where);
+Trajectory trajectory_for_reference(const Map& map, std::optional<std::size_t> session, const std::string& where) {
+  if (session) return trajectory_of_session(map, *session);
+  if (sessions_overlap(map))
+    throw Error("is of the recording of no session, and the sessions of the map overlap in time", where,
+                "give one of the recordings that 'rastro info' lists, or a file in its folder");
+  return trajectory_of(map);
+}
+
+MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where,
+                                   std::optional<std::size_t> session) {
+  const PosesAtOneTime poses = poses_at_one_time(trajectory_for_reference(map, session, where), reference, where);
   const auto whole = reference_from_map(poses, 0, 0);
   if (!whole) throw Error("the camera or the reference does not move", where, "give a reference of a moving camera");
   const auto scale_without = [&](std::size_t begin, std::size_t end) -> std::optional<double> {
@@ -207,15 +225,24 @@ std::shared_ptr<const SemiDenseDepth> scaled(const SemiDenseDepth& depth, double
 
 }  // namespace
 
+Vector3d fixed_point_of(const Map& map) {
+  return map.keyframes.empty() ? Vector3d(Vector3d::Zero()) : map.keyframes.front().world_from_camera.translation();
+}
+
 Map scaled(const Map& map, const MapScaleFound& found) {
   RASTRO_CHECK(!scale_of(map).metric || map.cameras.empty() || map.cameras.front().kind == CameraKind::mono,
                "only the map of one camera has a unit that can be chosen");
   const double factor = found.meters_per_unit;
   RASTRO_CHECK(factor > 0.0 && std::isfinite(factor), "a scale is positive");
   const auto stretched = [factor](const SE3& pose) { return SE3(pose.rotation(), factor * pose.translation()); };
+  // A position that was given, as with --initial-pose, is in meters: only what lies around it has the map's unit.
+  const Vector3d fixed = fixed_point_of(map);
+  const auto moved = [&](const Vector3d& position) { return Vector3d(fixed + factor * (position - fixed)); };
   Map result = map;
   ++result.revision;
-  for (Keyframe& keyframe : result.keyframes) keyframe.world_from_camera = stretched(keyframe.world_from_camera);
+  for (Keyframe& keyframe : result.keyframes)
+    keyframe.world_from_camera =
+        SE3(keyframe.world_from_camera.rotation(), moved(keyframe.world_from_camera.translation()));
   for (MapFrame& frame : result.frames) frame.keyframe_from_camera = stretched(frame.keyframe_from_camera);
   for (Constraint& each : result.constraints)
     each.from_from_to =
@@ -230,7 +257,7 @@ Map scaled(const Map& map, const MapScaleFound& found) {
   if (!layer) return result;
   auto landmarks = std::make_shared<LandmarkLayer>(*layer);
   for (Landmark& landmark : landmarks->landmarks) {
-    landmark.position *= factor;
+    landmark.position = moved(landmark.position);
     landmark.min_distance = static_cast<float>(factor * landmark.min_distance);
     landmark.max_distance = static_cast<float>(factor * landmark.max_distance);
   }

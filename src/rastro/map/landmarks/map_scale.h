@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -22,7 +25,7 @@ struct MapScaleFound {
 
 /// A measured length in the world: between two landmarks, or between two positions of the camera.
 struct KnownLength {
-  std::int64_t from = 0, to = 0;  ///< Ids of landmarks, or numbers of frames of the recording.
+  std::int64_t from = 0, to = 0;  ///< Ids of landmarks, or numbers of frames of the first session's recording.
   bool between_frames = false;
   double meters = 0.0;
 };
@@ -34,14 +37,23 @@ struct KnownLength {
 MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths, const std::string& where);
 
 /// From the trajectory of the camera and a reference with the same clock, by the similarity between both (Umeyama
-/// 1991). Sigma by leaving out each eighth of the trajectory in turn, which includes slow drift.
-MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where);
+/// 1991). Sigma by leaving out each eighth of the trajectory in turn, which includes slow drift. `session`: the one
+/// whose recording the reference is of; Error where it is not known and sessions overlap in time.
+MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where,
+                                   std::optional<std::size_t> session = std::nullopt);
+
+/// The poses that a reference is compared with: of `session`, else of all. Error as above.
+Trajectory trajectory_for_reference(const Map& map, std::optional<std::size_t> session, const std::string& where);
 
 /// From the height of a camera that is carried level over flat ground and faces about its direction of travel: the most
 /// frequent depth of the landmarks ahead below it. Sigma as above.
 MapScaleFound scale_from_camera_height(const Map& map, double height_m, const std::string& where);
 
-/// The map of one camera, with lengths scaled by the factor found.
+/// Where a map's first pose is, which scaling leaves in place: that of its first keyframe; the origin where it has
+/// none.
+Eigen::Vector3d fixed_point_of(const Map& map);
+
+/// The map of one camera, with lengths scaled by the factor found about its fixed point.
 Map scaled(const Map& map, const MapScaleFound& found);
 
 }  // namespace rastro

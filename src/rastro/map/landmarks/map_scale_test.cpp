@@ -58,6 +58,7 @@ class Drive {
 /// A point that is 2 units ahead is as many meters ahead as two units are.
 TEST(MapScale, SemiDenseDepthIsInMetersToo) {
   Map map;
+  map.keyframes.push_back({.id = 2, .world_from_camera = SE3()});
   map.keyframes.push_back({.id = 3, .world_from_camera = SE3(SO3(), {1.0, 0.0, 0.0})});
   auto depths = std::make_shared<SemiDenseLayer>();
   auto depth = std::make_shared<SemiDenseDepth>();
@@ -67,11 +68,69 @@ TEST(MapScale, SemiDenseDepthIsInMetersToo) {
   MapScaleFound found;
   found.meters_per_unit = 4.0;
   const Map in_meters = scaled(map, found);
-  EXPECT_NEAR(in_meters.keyframes[0].world_from_camera.translation().x(), 4.0, 1e-12);
+  EXPECT_NEAR(in_meters.keyframes[1].world_from_camera.translation().x(), 4.0, 1e-12);
   const SemiDenseDepth::Pixel& pixel = in_meters.layer<SemiDenseLayer>()->of.at(3)->pixels.at(0);
   EXPECT_EQ(pixel.inverse_depth, 0.125F);
   EXPECT_EQ(pixel.variance, 0.01F / 16.0F);
   EXPECT_EQ(map.layer<SemiDenseLayer>()->of.at(3)->pixels[0].inverse_depth, 0.5F) << "the map itself stays";
+}
+
+/// Where the first keyframe is may have been given in meters.
+TEST(MapScale, TheFirstKeyframeStaysWhereItIs) {
+  Map map;
+  map.keyframes.push_back({.id = 3, .world_from_camera = SE3(SO3(), {10.0, -20.0, 0.0})});
+  map.keyframes.push_back({.id = 4, .world_from_camera = SE3(SO3(), {10.0, -19.0, 0.5})});
+  map.frames = {{0, 3, SE3()}, {1, 4, SE3(SO3(), {0.0, 1.0, 0.0})}};
+  auto layer = std::make_shared<LandmarkLayer>();
+  layer->landmarks.resize(1);
+  layer->landmarks[0].position = {12.0, -20.0, 0.0};
+  map.layers.put<LandmarkLayer>(std::move(layer));
+  MapScaleFound found;
+  found.meters_per_unit = 4.0;
+  EXPECT_EQ(fixed_point_of(map), Vector3d(10.0, -20.0, 0.0));
+  const Map in_meters = scaled(map, found);
+  EXPECT_EQ(in_meters.keyframes[0].world_from_camera.translation(), Vector3d(10.0, -20.0, 0.0));
+  EXPECT_EQ(in_meters.keyframes[1].world_from_camera.translation(), Vector3d(10.0, -16.0, 2.0));
+  EXPECT_EQ(trajectory_of(in_meters)[1].world_from_body.translation(), Vector3d(10.0, -12.0, 2.0));
+  EXPECT_EQ(in_meters.layer<LandmarkLayer>()->landmarks[0].position, Vector3d(18.0, -20.0, 0.0));
+  EXPECT_EQ(fixed_point_of(Map()), Vector3d(0.0, 0.0, 0.0));
+}
+
+/// Along x for 20 frames, in two sessions with one clock: the second goes twice as far.
+Map two_drives() {
+  Map map;
+  for (int session = 0; session < 2; ++session) {
+    map.sessions.push_back({0, session, "", 0, 19'000'000, {}});
+    map.keyframes.push_back({session, 0, 0, 0, SE3(), 0, no_keyframe, 1.0});
+    for (int k = 0; k < 20; ++k)
+      map.frames.push_back({k * 1'000'000, session, SE3(SO3(), {k * (1.0 + session), 0.01 * k * k, 0.0})});
+  }
+  return map;
+}
+
+TEST(MapScale, OfAReferenceIsOfTheSessionThatItIsOf) {
+  const Map map = two_drives();
+  Trajectory reference;
+  for (int k = 0; k < 20; ++k) reference.push_back({k * 1'000'000, SE3(SO3(), {3.0 * k, 0.03 * k * k, 0.0})});
+  EXPECT_NEAR(scale_from_reference(map, reference, "here", 0).meters_per_unit, 3.0, 1e-9);
+  EXPECT_THROW(scale_from_reference(map, reference, "here"), Error) << "it may be of either";
+  EXPECT_EQ(trajectory_for_reference(map, 1, "here").back().world_from_body.translation().x(), 38.0);
+  Map one = map;
+  one.sessions.resize(1), one.keyframes.resize(1), one.frames.resize(20);
+  EXPECT_NEAR(scale_from_reference(one, reference, "here").meters_per_unit, 3.0, 1e-9);
+}
+
+/// Both recordings have a frame 5.
+TEST(MapScale, FramesAreThoseOfTheFirstSession) {
+  Map map = two_drives();
+  map.keyframes = {{0, 0, 0, 0, SE3(), 0, no_keyframe, 1.0},
+                   {1, 19, 19'000'000, 0, SE3(), 0, no_keyframe, 1.0},
+                   {2, 0, 0, 0, SE3(), 0, no_keyframe, 1.0},
+                   {3, 30, 19'000'000, 0, SE3(), 0, no_keyframe, 1.0}};
+  for (MapFrame& frame : map.frames) frame.keyframe_from_camera = SE3(SO3(), {to_seconds(frame.stamp) * 1e3, 0.0, 0.0});
+  const KnownLength length{5, 15, true, 20.0};
+  EXPECT_NEAR(scale_from_lengths(map, std::array{length}, "here").meters_per_unit, 2.0, 1e-9);
+  EXPECT_THROW(scale_from_lengths(map, std::array{KnownLength{5, 25, true, 20.0}}, "here"), Error);
 }
 
 TEST(CameraHeight, UsesLandmarksAheadBelowAndNotFarAside) {
