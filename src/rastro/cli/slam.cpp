@@ -149,7 +149,7 @@ Prepared prepare(const SlamFlags& flags, StepsShown on_finishing) {
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
   run.context.pool = run.pool.get();
   if (task_of(run.context) == SlamTask::map)
-    run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
+    run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro", info.path);
   run.context.archive = run.map_file.get();
   run.context.initial_pose = parse_initial_pose(flags.initial_pose, is_planar(*run.method, info));
   run.slam = run.method->make(info, run.context);

@@ -218,7 +218,9 @@ class Runner {
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames + dropped);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
-    const double tracked = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized);
+    const auto apart = result.reasons.find(name_of(SlamReason::apart));  // where they are was not known
+    const double tracked = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized -
+                                               (apart == result.reasons.end() ? 0 : apart->second));
     result.recall = asked > 0 ? 100.0 * tracked / static_cast<double>(asked) : 0.0;
     result.path_length = path_length(end_.trajectory);
     result.timing.recording_seconds = to_seconds(last_stamp_ - first_stamp_);

@@ -91,7 +91,7 @@ void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
   } else if (followed.reason == OdometryReason::repeated_frame && !loss_.lost && exists()) {
     update.state = SlamState::weak;
     map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * followed.world_from_camera);
-  } else if (followed.state == OdometryState::lost || nothing_new) {
+  } else if (followed.state == OdometryState::lost || nothing_new || is_doubtful_return(followed, update)) {
     update.state = SlamState::lost;
     on_loss(frame, update);
     update.times.push_back({"relocalize", stage.lap_ms()});
@@ -99,6 +99,14 @@ void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
     on_pose(frame, followed, update);
     update.times.push_back({"keyframe", stage.lap_ms()});
   }
+}
+
+/// Surfaces alone fit anywhere: a camera that was lost for long is looked for in the map.
+bool RgbdSession::is_doubtful_return(const RgbdFollow& followed, SlamUpdate& update) {
+  if (!loss_.lost || just_lost() || !exists() || followed.reason != OdometryReason::too_few_points) return false;
+  following_.has_pose = false;
+  update.world_from_body = last_pose_;
+  return true;
 }
 
 void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {

@@ -97,6 +97,7 @@ class RgbdSession {
   bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool agrees_with_last(TimeNs stamp, const SE3& world_from_camera) const;
   bool just_lost() const;
+  bool is_doubtful_return(const RgbdFollow& followed, SlamUpdate& update);
   bool continues_motion(const SE3& world_from_camera) const;
   void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,

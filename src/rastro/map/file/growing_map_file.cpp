@@ -41,8 +41,8 @@ class ImagesInFile : public ImageStore {
 /// Timing only decides when a map reaches the disk. The database mutex is never waited for while holding the other one.
 class GrowingMapFile::State {
  public:
-  explicit State(std::filesystem::path file)
-      : file_(std::move(file)), images_(std::make_shared<ImagesInFile>(database_)) {}
+  State(std::filesystem::path file, std::string recording)
+      : file_(std::move(file)), recording_(std::move(recording)), images_(std::make_shared<ImagesInFile>(database_)) {}
   ~State() { stop(false); }
 
   bool wants_map() const {
@@ -120,6 +120,14 @@ class GrowingMapFile::State {
     return database;
   }
 
+  /// Methods do not know where their frames come from.
+  std::shared_ptr<const Map> with_recording(const std::shared_ptr<const Map>& map) const {
+    if (recording_.empty() || map->sessions.empty() || !map->sessions.back().recording.empty()) return map;
+    auto named = std::make_shared<Map>(*map);
+    named->sessions.back().recording = recording_;
+    return named;
+  }
+
   void write(const Map* map) {
     const std::lock_guard lock(database_->mutex);
     Database& database = open();
@@ -150,8 +158,9 @@ class GrowingMapFile::State {
     const Clock::time_point begin = Clock::now();
     std::exception_ptr failure;
     try {
-      write(map.get());
-      if (map) written_ = map;
+      const auto named = map ? with_recording(map) : map;
+      write(named.get());
+      if (named) written_ = named;
     } catch (...) {
       failure = std::current_exception();
     }
@@ -176,6 +185,7 @@ class GrowingMapFile::State {
   }
 
   const std::filesystem::path file_;
+  const std::string recording_;
   const std::shared_ptr<SharedDatabase> database_ = std::make_shared<SharedDatabase>();
   const std::shared_ptr<const ImageStore> images_;
   mutable std::mutex mutex_;
@@ -191,7 +201,8 @@ class GrowingMapFile::State {
   std::shared_ptr<const Map> written_;  ///< The writer's own; others may use it once it has ended.
 };
 
-GrowingMapFile::GrowingMapFile(std::filesystem::path file) : state_(std::make_unique<State>(std::move(file))) {}
+GrowingMapFile::GrowingMapFile(std::filesystem::path file, std::string recording)
+    : state_(std::make_unique<State>(std::move(file), std::move(recording))) {}
 GrowingMapFile::~GrowingMapFile() = default;
 bool GrowingMapFile::wants_map() const { return state_->wants_map(); }
 void GrowingMapFile::keep(std::shared_ptr<const Map> map) { state_->keep(std::move(map)); }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "rastro/map/map_archive.h"
 
@@ -13,8 +14,9 @@ namespace rastro {
 /// moment leaves a file that load_map() reads. A failed write is reported by the next call.
 class GrowingMapFile : public MapArchive {
  public:
-  /// The file is created with the first data kept; an existing one is replaced then.
-  explicit GrowingMapFile(std::filesystem::path file);
+  /// The file is created with the first data kept; an existing one is replaced then. `recording`: of the newest
+  /// session, where the maps do not say it; empty: unknown.
+  explicit GrowingMapFile(std::filesystem::path file, std::string recording = {});
   /// Without finish() the file keeps what was written so far.
   ~GrowingMapFile() override;
 

@@ -40,6 +40,8 @@ OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, con
   for (std::size_t i = 0; i < table.options().size(); ++i)
     table.set(table.options()[i].name, table.value_of(i), "orb options");
   if (map != nullptr) {
+    const bool is_of_one_camera = !map->cameras.empty() && map->cameras.front().kind == CameraKind::mono;
+    if (options.sensor == "auto" && is_of_one_camera) options.sensor = "mono";
     const auto layer = map->layer<FeatureLayer>();
     const OrbOptions extraction = layer ? layer->extraction : OrbOptions{};
     options.features = extraction.features;

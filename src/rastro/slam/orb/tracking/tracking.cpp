@@ -64,7 +64,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   observe(*tracked, ObservationState::inlier, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
   insert_keyframe(measured, *tracked, update);
-  report_submap(*tracked, update);
+  report_submap(tracker_.view()->keyframe(tracked->reference).submap, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
 }
 
@@ -237,6 +237,7 @@ void Tracking::initialize(const Measurements& measured, SlamUpdate& update) {
   Stopwatch stage;
   initialization_.process(measured.features, update);
   if (session_.tracking) observe_first_landmarks(*measured.features);
+  if (session_.tracking) report_submap(session_.graph.submap(session_.graph.newest_keyframe()), update);
   if (session_.tracking && measured.view) {
     const std::int64_t first = session_.graph.newest_keyframe();
     session_.direct.keyframes.add(first, pipeline_.local_mapping().add_view(first, measured.view.get()));
@@ -266,8 +267,7 @@ void Tracking::report_contradiction(const TrackingResult& tracked, SlamUpdate& u
                               tracked.inliers, tracked.matches);
 }
 
-void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) const {
-  const int submap = tracker_.view()->keyframe(tracked.reference).submap;
+void Tracking::report_submap(int submap, SlamUpdate& update) const {
   if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
   update.covariance.reset();
