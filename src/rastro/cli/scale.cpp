@@ -128,6 +128,17 @@ void warn_of_misfit(const MapScaleFound& found, const std::string& reference) {
                   one_line(reference), 100.0 * found.position_misfit, found.turn_misfit_deg));
 }
 
+/// A submap that nothing connects has a unit of its own.
+void warn_of_other_submaps(const Map& map) {
+  const auto apart = std::count_if(map.keyframes.begin(), map.keyframes.end(),
+                                   [](const Keyframe& keyframe) { return keyframe.submap != 0; });
+  if (apart == 0) return;
+  log_warning(
+      fmt::format("{} of {} keyframes are in submaps that nothing connects to the first: their scale is another one, "
+                  "which stays unknown",
+                  apart, map.keyframes.size()));
+}
+
 void scale(const ScaleFlags& flags, bool height_given) {
   constexpr double highest_m = 1000.0;
   if (height_given && !(flags.camera_height_m > 0.0 && flags.camera_height_m <= highest_m))
@@ -139,6 +150,7 @@ void scale(const ScaleFlags& flags, bool height_given) {
   const Map in_meters = scaled(*map, found);
   warn_of_contradiction(file, scale_of(*map), found);
   warn_of_misfit(found, flags.reference);
+  warn_of_other_submaps(*map);
   const std::filesystem::path folder = run_folder_of(flags.map, file);
   if (folder.empty())
     save_map(in_meters, file);

@@ -37,6 +37,7 @@ class FakeSlam : public Slam {
       update.reason = SlamReason::few_returns;
       update.detail = "3 of 180";
     }
+    if (frame.index < apart_until) update.state = SlamState::weak, update.reason = SlamReason::apart;
     update.world_from_body = SE3({}, {0.5 * static_cast<double>(trajectory_.size()), 0.0, 0.0});
     update.covariance = Matrix6d(1e-4 * Matrix6d::Identity());
     update.times.push_back({"match", 1.0});
@@ -74,6 +75,7 @@ class FakeSlam : public Slam {
 
   std::int64_t fault_at = -1;
   bool finish_fails = false;
+  std::int64_t apart_until = 0;
   std::int64_t dropped = 0;
   std::size_t budget = 0;
   int finished = 0, masked = 0;
@@ -108,6 +110,13 @@ TEST(SlamRun, AMethodThatFailsAtItsEndStillGivesItsTrajectoryAndMap) {
   EXPECT_EQ(end.trajectory.size(), 30U);
   ASSERT_TRUE(end.map);
   EXPECT_EQ(end.result.keyframes, 2);
+}
+
+TEST(SlamRun, FramesApartFromTheMapAreNotRecalled) {
+  FakeSource source(20, {});
+  FakeSlam method;
+  method.apart_until = 5;
+  EXPECT_NEAR(slam_run(wired(source, method)).result.recall, 75.0, 1e-9);
 }
 
 TEST(SlamRun, CountsStatesLoopsAndCoverage) {

@@ -297,6 +297,27 @@ TEST(RgbdSlam, WhileLostTheMapIsSearchedInTheFirstFrameAndThenInEveryNth) {
   }
 }
 
+/// The right surfaces with another picture on them, after the camera saw the opposite wall, which the map does not
+/// have.
+TEST(RgbdSlam, AfterALongLossSurfacesAloneAreNotBelieved) {
+  const Views views = pan(-0.2, 0.02, 12);
+  SlamContext context;
+  context.map = run(views, quick()).snapshot;
+  for (const int lost : {3, 9}) {
+    RgbdSlam slam("rgbd", quick(), test_room::camera(), context);
+    std::int64_t index = 0;
+    for (const std::size_t k : {0, 1, 2, 3, 4, 5}) slam.process(frame_of(views[k], index++));
+    for (int k = 0; k < lost; ++k)
+      EXPECT_EQ(slam.process(frame_of(looking({-0.5, 0.01 * k, 1.2}, M_PI), index++)).state, SlamState::lost);
+    Frame mirrored = frame_of(views[5], index++);
+    for (int y = 0; y < mirrored.image.height(); ++y)
+      for (int left = 0, right = mirrored.image.width() - 1; left < right; ++left, --right)
+        std::swap(mirrored.image.at(left, y), mirrored.image.at(right, y));
+    const SlamUpdate update = slam.process(mirrored);
+    EXPECT_EQ(update.state, lost == 3 ? SlamState::relocalized : SlamState::lost) << update.detail;
+  }
+}
+
 /// The follower does not know the other end of the map; only relocalization does.
 TEST(RgbdSlam, RightAfterALossEveryFrameIsRelocalized) {
   const Views views = pan(-0.2, 0.06, 24);

@@ -131,7 +131,7 @@ std::vector<std::int64_t> TrackedMap::frames_per_submap() const {
 bool TrackedMap::make_largest_first() {
   const auto frames = frames_per_submap();
   const auto largest = static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
-  if (largest == 0 || is_in_earlier_map()) return false;
+  if (largest == 0 || given_ || base_.sessions.size() > 1) return false;  // a map continued keeps its frame
   for (KeyframePose& pose : poses_) {
     if (pose.submap == 0 || pose.submap == largest) pose.submap = largest - pose.submap;
   }
@@ -141,7 +141,7 @@ bool TrackedMap::make_largest_first() {
 
 int TrackedMap::trajectory_submap() const {
   const auto frames = frames_per_submap();
-  if (frames.front() > 0 || is_in_earlier_map()) return 0;
+  if (frames.front() > 0 || given_) return 0;
   return static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
 }
 

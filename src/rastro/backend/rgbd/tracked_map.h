@@ -74,13 +74,11 @@ class TrackedMap {
   Matrix6d covariance_of(const PendingKeyframe& keyframe) const;
   void add_edge(const Constraint& edge);
   std::vector<std::int64_t> frames_per_submap() const;
-  /// Localized in a map or continuing it: poses are in its frame, or unknown.
-  bool is_in_earlier_map() const { return given_ || base_.sessions.size() > 1; }
 
   Map base_;
   std::shared_ptr<const ImageStore> images_;
   std::shared_ptr<const SignatureStore> signatures_;
-  bool given_;
+  bool given_;  ///< The map is only localized in: poses are in its frame, or unknown.
   std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
   std::vector<double> weights_;  ///< Of keyframes_.
   std::vector<KeyframePose> poses_;

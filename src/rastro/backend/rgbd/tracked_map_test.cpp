@@ -229,6 +229,16 @@ TEST(TrackedMap, DroppedFeaturesAreRemovedHereToo) {
   EXPECT_EQ(map.snapshot()->layer<FeatureLayer>()->find(0)->features.size(), 0U);
 }
 
+TEST(TrackedMap, WhereAGivenMapIsLocalizedInPosesInItsOtherSubmapsAreUnknown) {
+  Map given = make_test_map(4);
+  given.keyframes[3].submap = 1;
+  for (const bool localized : {true, false}) {
+    TrackedMap map(given, images_of(given), localized);
+    map.add_frame(77, 3, SE3());
+    EXPECT_EQ(map.trajectory().size(), localized ? 0U : 1U);
+  }
+}
+
 TEST(TrackedMap, AGivenMapIsNotChanged) {
   const Map given = make_test_map(4);
   TrackedMap map(given, images_of(given), true);

@@ -61,6 +61,16 @@ TEST(SensorChoice, AMapIsContinuedWithItsOwnCamera) {
   EXPECT_NO_THROW(check_map(map, choice, false, "orb")) << "its landmarks are seen with any camera";
 }
 
+TEST(SensorChoice, AMapOfOneCameraIsUsedWithOneCamera) {
+  const SourceInfo pair = pair_of(distorted(), left_from_right());
+  Map map;
+  for (const auto& [kind, sensor] : {std::pair{CameraKind::mono, "mono"}, std::pair{CameraKind::stereo, "auto"}}) {
+    map.cameras = {{kind, distorted(), 0.0, {}, SE3()}};
+    EXPECT_EQ(options_for(options_of("auto"), pair, &map).sensor, sensor);
+    EXPECT_EQ(options_for(options_of("stereo"), pair, &map).sensor, "stereo") << "asked for";
+  }
+}
+
 TEST(SensorChoice, AnUnrectifiedPairMeasuresDepthsToo) {
   const Camera camera = distorted();
   const OrbSlamOptions options = options_of("auto");
