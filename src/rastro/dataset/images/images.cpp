@@ -69,6 +69,17 @@ NameKind kind_of_name(const std::string& name) {
   return stem.size() >= fewest_digits ? NameKind::whole : NameKind::no_stamp;
 }
 
+/// Nanoseconds since the start of a device may look like milliseconds or microseconds since 1970, but for their steps.
+StampUnit unit_of_times(const std::vector<double>& stamps) {
+  constexpr double shortest_step_s = 5e-4, longest_step_s = 20.0;
+  constexpr std::array<double, 4> units_s = {1.0, 1e-3, 1e-6, 1e-9};
+  const StampUnit guessed = guess_stamp_unit(stamps, StampUnit::nanoseconds);
+  const double step = (stamps.back() - stamps.front()) / std::max(1.0, static_cast<double>(stamps.size() - 1));
+  const double as_guessed_s = step * units_s[static_cast<std::size_t>(guessed)], as_ns_s = step * units_s.back();
+  const bool is_uptime = as_guessed_s > longest_step_s && as_ns_s >= shortest_step_s && as_ns_s <= longest_step_s;
+  return is_uptime ? StampUnit::nanoseconds : guessed;
+}
+
 /// The unit of all names together; nullopt where any is no time, or of another kind than the others.
 std::optional<StampUnit> unit_of_names(const std::vector<std::string>& names) {
   const NameKind kind = kind_of_name(names.front());
@@ -80,7 +91,7 @@ std::optional<StampUnit> unit_of_names(const std::vector<std::string>& names) {
     stamps.push_back(*stamp);
   }
   if (kind == NameKind::fraction) return StampUnit::seconds;
-  if (names.front().front() != '0') return guess_stamp_unit(stamps, StampUnit::nanoseconds);
+  if (names.front().front() != '0') return unit_of_times(stamps);
   // Filled up with zeros: nanoseconds since some start, unless the steps are those of numbers of images.
   constexpr double shortest_step_ns = 5e5;
   const auto steps = static_cast<double>(stamps.size() - 1);

@@ -189,10 +189,10 @@ std::optional<ImageSize> size_of_images(const BagTopics& topics, const BagConten
 }
 
 std::string sparse_depth_warning(const BagTopics& topics, const std::string& path) {
-  constexpr int most_frames = 20;
+  constexpr int most_frames = 20, most_looked_at = 200;
   BagStream stream(path, {topics.main()}, topics.depth);
   int frames = 0, with_depth = 0;
-  while (frames < most_frames) {
+  for (int looked_at = 0; frames < most_frames && looked_at < most_looked_at; ++looked_at) {
     const auto message = stream.next();
     if (!message) break;
     const bool found = stream.depth_near(stamp_of(*message), message->time) != nullptr;

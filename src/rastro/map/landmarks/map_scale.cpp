@@ -187,11 +187,11 @@ double turn_misfit_deg(const PosesAtOneTime& poses) {
 }  // namespace
 
 Trajectory trajectory_for_reference(const Map& map, std::optional<std::size_t> session, const std::string& where) {
-  if (session) return trajectory_of_session(map, *session);
-  if (sessions_overlap(map))
+  if (!sessions_overlap(map)) return trajectory_of(map);
+  if (!session)
     throw Error("is of the recording of no session, and the sessions of the map overlap in time", where,
                 "give one of the recordings that 'rastro info' lists, or a file in its folder");
-  return trajectory_of(map);
+  return trajectory_of_session(map, *session);
 }
 
 MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where,

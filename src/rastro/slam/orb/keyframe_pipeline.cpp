@@ -79,6 +79,9 @@ void KeyframePipeline::take_results(TimeNs stamp, std::vector<SlamEvent>& events
   // A map that does not change refines nothing.
   if (!session_.mapping && session_.frame_number % static_cast<std::int64_t>(refined_at_once) == 0)
     session_.trajectory.take_observed(observed_frames, refined_at_once);
+  // A live run may have no room for the job: it waits.
+  if (!mapping_.empty() && !mapping_.has_room())
+    while (auto result = mapping_.take_ready(now)) take(std::move(*result), events);
   if (mapping_.has_room())
     if (auto adjustment = adjusting_.take_ready(now)) take_adjustment(std::move(*adjustment), stamp);
   while (auto result = mapping_.take_ready(now)) take(std::move(*result), events);

@@ -139,14 +139,22 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     relocalization_.is_unconfirmed() ? relocalization_.reject() : on_lost(tracked, update);
     return std::nullopt;
   }
-  if (initialization_.is_contradicted_by(measured.features, tracked) && initialization_.drop_map(tracked, update))
-    return std::nullopt;
+  if (is_dropped_start(measured, tracked, update)) return std::nullopt;
   if (jumps_in_given_map(tracked, predicted, update)) return std::nullopt;
   align(measured, tracked, update);
   update.state = SlamState::tracking;
   // The trial of a new map compares frames with the features that it began with.
   if (session_.mapping && !initialization_.is_on_trial()) feature_count_.on_tracked(tracked.inliers);
   return tracked;
+}
+
+/// Whether the map on trial is dropped. A submap that was joined just now stays, and the frame is tracked in its world.
+bool Tracking::is_dropped_start(const Measurements& measured, TrackingResult& tracked, SlamUpdate& update) {
+  if (!initialization_.is_contradicted_by(measured.features, tracked)) return false;
+  if (initialization_.drop_map(tracked, update)) return true;
+  tracked = tracker_.track_from(measured.features, tracker_.last_pose());
+  if (!tracked.ok) on_lost(tracked, update);
+  return !tracked.ok;
 }
 
 /// Refines the pose by the pixels of the whole image, against the keyframe that shares most landmarks or, while that

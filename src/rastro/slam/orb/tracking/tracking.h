@@ -61,6 +61,7 @@ class Tracking {
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
   bool jumps_in_given_map(const TrackingResult& tracked, const SE3& predicted, SlamUpdate& update);
   void report_contradiction(const TrackingResult& tracked, SlamUpdate& update) const;
+  bool is_dropped_start(const Measurements& measured, TrackingResult& tracked, SlamUpdate& update);
   void report_submap(int submap, SlamUpdate& update) const;
   void follow_reference(const TrackingResult& tracked);
 
