@@ -8,6 +8,7 @@
 #include <map>
 
 #include "rastro/base/error.h"
+#include "rastro/base/regular_file.h"
 #include "rastro/base/text.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/sensor/trajectory_file.h"
@@ -29,6 +30,7 @@ bool is_folder(const fs::path& path) {
 
 /// Whether it has a line that is no comment.
 bool has_poses(const fs::path& file) {
+  require_regular_file(file, largest_text_file_bytes);
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);)
     if (!trim(line).empty() && !line.starts_with('#')) return true;
