@@ -103,7 +103,7 @@ Trajectory in_body_frame(Trajectory trajectory, const fs::path& folder) {
   return trajectory;
 }
 
-/// Guessed as that of the images, with a warning where it is not nanoseconds.
+/// Guessed by its own numbers, as that of the images is by theirs, with a warning where it is not nanoseconds.
 StampUnit ground_truth_unit(SourceInfo& info, const std::string& text, const fs::path& file) {
   const StampUnit unit = guess_column_unit(text, StampUnit::nanoseconds);
   if (auto warning = unit_warning(unit, StampUnit::nanoseconds, file.string()); !warning.empty())

@@ -81,10 +81,19 @@ void LsdPipeline::add_uncertainty(const Result& result) {
   if (uncertainty_.knows(before)) uncertainty_.add(result.current.keyframe.id(), position, result.frame);
 }
 
+/// Submaps may also be joined while the camera is found again.
+void LsdPipeline::note_joint() {
+  const auto joint = mapping_.take_joint();
+  if (!joint || current_->submap != 0 || uncertainty_.knows(current().id())) return;
+  uncertainty_.join(current().id(), current_->world_from_keyframe.translation(), joint->earlier, joint->covariance,
+                    joint->scale_variance);
+}
+
 void LsdPipeline::on_change(bool is_new) {
   current_.emplace(mapping_.current());
   memory_ = mapping_.memory();
   frames_on_current_ = 0;
+  note_joint();
   if (is_new && current_->submap == 0) uncertainty_.set_known(current().id(), Eigen::Vector3d::Zero());
 }
 

@@ -59,6 +59,7 @@ class LsdPipeline {
   };
   void take(Result result, LsdMotion& motion, SlamUpdate& update);
   void add_uncertainty(const Result& result);
+  void note_joint();
   void place_waiting();
   bool knows_scale(const ImageAlignment& tracked) const;
   AlignedFrame aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const;
