@@ -45,9 +45,10 @@ class GrowingMapFile::State {
       : file_(std::move(file)), recording_(std::move(recording)), images_(std::make_shared<ImagesInFile>(database_)) {}
   ~State() { stop(false); }
 
+  /// None while one is written: it would wait for the rest after that, and take memory.
   bool wants_map() const {
     const std::lock_guard lock(mutex_);
-    return !waiting_ && Clock::now() + ahead >= next_;
+    return !waiting_ && !writing_ && Clock::now() + ahead >= next_;
   }
 
   void keep(std::shared_ptr<const Map> map) {
@@ -154,6 +155,7 @@ class GrowingMapFile::State {
   }
 
   void write_unlocked(std::unique_lock<std::mutex>& lock, const std::shared_ptr<const Map>& map) {
+    writing_ = map != nullptr;
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     std::exception_ptr failure;
@@ -166,6 +168,7 @@ class GrowingMapFile::State {
     }
     const Clock::time_point end = Clock::now();
     lock.lock();
+    writing_ = false;
     failure_ = failure;
     if (!map) return;
     written_keyframes_ = map->keyframes.size();
@@ -191,7 +194,7 @@ class GrowingMapFile::State {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
-  bool rows_added_ = false, stopping_ = false, dropping_ = false;
+  bool rows_added_ = false, writing_ = false, stopping_ = false, dropping_ = false;
   Clock::time_point rested_{};      ///< Earliest time of the next write ...
   Clock::time_point next_{};        ///< ... and of one without new keyframes.
   Clock::time_point rows_since_{};  ///< When the first row was added that is not committed.

@@ -228,6 +228,14 @@ void add_variance_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+  table.add({"map_share",
+             &o.map_share,
+             "",
+             "largest share of a keyframe's pixels that the map keeps, those with the most certain depths; all help to "
+             "track",
+             0.001,
+             1,
+             {}});
   table.add({"variance_growth",
              &o.variance_growth,
              "",
@@ -387,6 +395,7 @@ void set_paper_preset(LsdOptions& options) {
   options.start = "random";
   options.refine_iterations = 0;
   options.max_depth_sigma = 0.0;
+  options.map_share = 1.0;
 }
 
 OptionTable option_table(LsdOptions& options) {

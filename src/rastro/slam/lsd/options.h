@@ -56,6 +56,7 @@ struct LsdOptions {
   double common_share = 0.7;
   double surface_share = 1.0;
   double max_depth_sigma = 0.1;
+  double map_share = 0.2;
 
   // Keyframes.
   double keyframe_distance = 0.25;

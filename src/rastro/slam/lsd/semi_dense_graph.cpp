@@ -16,6 +16,22 @@
 namespace rastro {
 namespace {
 
+/// The `most` pixels whose depths are the most certain ones, relative to themselves; row by row as before.
+void keep_most_certain(std::vector<SemiDenseDepth::Pixel>& pixels, std::size_t most) {
+  if (pixels.size() <= most) return;
+  std::vector<std::pair<float, std::size_t>> by_error;
+  by_error.reserve(pixels.size());
+  for (const SemiDenseDepth::Pixel& pixel : pixels)
+    by_error.emplace_back(pixel.variance / (pixel.inverse_depth * pixel.inverse_depth), by_error.size());
+  std::nth_element(by_error.begin(), by_error.begin() + static_cast<std::ptrdiff_t>(most), by_error.end());
+  by_error.resize(most);
+  std::sort(by_error.begin(), by_error.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<SemiDenseDepth::Pixel> kept;
+  kept.reserve(most);
+  for (const auto& [error, index] : by_error) kept.push_back(pixels[index]);
+  pixels = std::move(kept);
+}
+
 /// Depths in the world's unit.
 std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit,
                                                  const LsdOptions& options) {
@@ -32,6 +48,8 @@ std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyfra
       result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
                                 factor * factor * variance, keyframe.image.at(x, y)});
     }
+  const double size = static_cast<double>(keyframe.depth.width()) * keyframe.depth.height();
+  keep_most_certain(result->pixels, static_cast<std::size_t>(options.map_share * size));
   return result;
 }
 

@@ -38,6 +38,26 @@ TEST(SemiDenseGraph, DepthsThatSayLittleAreLeftOutOfTheMap) {
   EXPECT_EQ(pixels_in_map(options).size(), 2U);
 }
 
+TEST(SemiDenseGraph, TheMapKeepsTheMostCertainDepthsOfAKeyframe) {
+  LsdOptions options;
+  options.max_depth_sigma = 0.0;
+  options.map_share = 1.0 / 1200.0;
+  const auto most_certain = pixels_in_map(options);
+  ASSERT_EQ(most_certain.size(), 1U) << "one of 40 x 30";
+  EXPECT_EQ(most_certain[0].x, 5);
+
+  SemiDenseGraph graph(options, false);
+  SemiDenseKeyframe keyframe{0, 0, 0, GrayImage(40, 30), InverseDepthMap(40, 30)};
+  for (const int x : {3, 9, 21}) {
+    keyframe.depth.mean.at(x, 7) = 0.5F;
+    keyframe.depth.variance.at(x, 7) = 0.01F;
+  }
+  graph.add(std::make_shared<const SemiDenseKeyframe>(std::move(keyframe)), Sim3(), 0);
+  const auto first = graph.snapshot(single_camera(Camera{}))->layer<SemiDenseLayer>()->of.at(0)->pixels;
+  ASSERT_EQ(first.size(), 1U) << "equally certain ones count in their order";
+  EXPECT_EQ(first[0].x, 3);
+}
+
 TEST(SemiDenseGraph, ALoopIsClosedByConstraintsWithEarlierVisitsAlone) {
   SemiDenseGraph graph = graph_of({}, 3);
   graph.add_edge({1, 2, Sim3(), Matrix6d::Identity()});
