@@ -183,16 +183,19 @@ class V4l2Device final : public CameraDevice {
     if (!camera_name(handle_)) throw Error("is no camera", request.file, "'rastro devices' lists the cameras");
     setting_ = choose_mode(handle_, request, want_color);
     require_plausible();
-    map_buffers();
-    for (std::uint32_t index = 0; index < buffers_.size(); ++index) give_back(index);
-    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    handle_.control(VIDIOC_STREAMON, type, "does not start");
+    try {
+      start();
+    } catch (...) {
+      // Buffers that stay mapped keep the device in use, for this program too.
+      unmap();
+      throw;
+    }
   }
 
   ~V4l2Device() override {
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     handle_.try_control(VIDIOC_STREAMOFF, type);
-    for (const Buffer& buffer : buffers_) handle_.system().unmap(buffer.address, buffer.length);
+    unmap();
   }
 
   ImageSize size() const { return {static_cast<int>(setting_.image.width), static_cast<int>(setting_.image.height)}; }
@@ -244,6 +247,13 @@ class V4l2Device final : public CameraDevice {
     return buffer;
   }
 
+  void start() {
+    map_buffers();
+    for (std::uint32_t index = 0; index < buffers_.size(); ++index) give_back(index);
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    handle_.control(VIDIOC_STREAMON, type, "does not start");
+  }
+
   void map_buffers() {
     auto request = zeroed<v4l2_requestbuffers>();
     request.count = buffers_wanted;
@@ -258,6 +268,11 @@ class V4l2Device final : public CameraDevice {
       buffers_.push_back({address, buffer.length});
     }
     if (buffers_.empty()) throw DeviceGone(handle_.file() + ": gives no buffers");
+  }
+
+  void unmap() {
+    for (const Buffer& buffer : buffers_) handle_.system().unmap(buffer.address, buffer.length);
+    buffers_.clear();
   }
 
   void give_back(std::uint32_t index) {
