@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "rastro/base/text.h"
 #include "rastro/dataset/live/camera_image.h"
@@ -287,8 +288,7 @@ class V4l2Device final : public CameraDevice {
 
   ArrivedFrame read(const v4l2_buffer& buffer) {
     ArrivedFrame arrived;
-    if (last_sequence_ && buffer.sequence > *last_sequence_ + 1)
-      arrived.lost_before = buffer.sequence - *last_sequence_ - 1;
+    if (last_sequence_ && buffer.sequence > *last_sequence_ + 1) lost_ += buffer.sequence - *last_sequence_ - 1;
     last_sequence_ = buffer.sequence;
     if (buffer.flags & V4L2_BUF_FLAG_ERROR) throw Error("an image is damaged", handle_.file(), "");
     const auto* bytes = static_cast<const unsigned char*>(buffers_[buffer.index].address);
@@ -296,6 +296,7 @@ class V4l2Device final : public CameraDevice {
     convert_image(bytes, used, arrived.frame);
     arrived.exposed = time_of(buffer);
     arrived.frame.stamp = arrived.exposed + offset_;
+    arrived.lost_before = std::exchange(lost_, 0);
     return arrived;
   }
 
@@ -322,6 +323,7 @@ class V4l2Device final : public CameraDevice {
   Setting setting_{};
   std::vector<Buffer> buffers_;
   std::optional<std::uint32_t> last_sequence_;
+  std::int64_t lost_ = 0;  ///< Since the last image that could be used.
 };
 
 std::vector<double> rates_of(Handle& handle, std::uint32_t code, const ImageSize& size) {

@@ -236,7 +236,11 @@ TEST_F(V4l2, CountsWhatTheDriverLostAndSkipsDamagedImages) {
   driver_.lost = 3;
   EXPECT_EQ(source->next(50 * ms)->lost_before, 3);
   driver_.flags = V4L2_BUF_FLAG_ERROR;
+  driver_.lost = 2;
   EXPECT_THAT(error_of([&] { source->next(50 * ms); }), HasSubstr("damaged"));
+  driver_.lost = 1;
+  EXPECT_EQ(source->next(50 * ms)->lost_before, 3) << "also those before the damaged one";
+  EXPECT_EQ(source->next(50 * ms)->lost_before, 0);
   for (int k = 0; k < 5; ++k) EXPECT_TRUE(source->next(50 * ms)) << "its buffer is given back";
 }
 
