@@ -51,7 +51,9 @@ class BoardSearch {
                   name, "calibrate with images of one size");
     }
     ++result_.images;
-    return detect_board(image.view(), board_);
+    auto found = detect_board(image.view(), board_);
+    result_.found += found ? 1 : 0;
+    return found;
   }
 
  private:

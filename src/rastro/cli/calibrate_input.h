@@ -19,6 +19,7 @@ class LiveBoards;
 struct BoardImages {
   CalibrationInput input;
   int images = 0;                  ///< Searched.
+  int found = 0;                   ///< Of these, with the board.
   int near_another = 0;            ///< Not used: the board was where it was in another image.
   std::vector<DepthImage> depths;  ///< Per frame of the input; empty where there is none.
   DepthAsRead depth_as_read;

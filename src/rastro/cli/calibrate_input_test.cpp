@@ -36,11 +36,12 @@ class BoardFolders : public testing::Test {
     std::ofstream(root_ / name / "mav0/cam0/data" / (std::to_string(stamp_of(image)) + ".png")) << "no image";
   }
 
-  static BoardImages find(const std::string& left, const std::string& right) {
+  static BoardImages find(const std::string& left, const std::string& right, std::size_t most_views = 100) {
     DataFlags flags;
     flags.path = left;
     BoardSearchOptions search_for;
     search_for.right = right;
+    search_for.most_views = most_views;
     ProgressBar bar(false);
     return find_boards(flags, small_board, search_for, bar);
   }
@@ -87,6 +88,17 @@ TEST_F(BoardFolders, ImagesOfOneNumberBelongTogetherAlsoBehindDamagedOnes) {
   }
   EXPECT_EQ(pairs, 4) << "0, 1, 3 and 5";
   EXPECT_EQ(images.input.frames.size(), 6U) << "all but 4";
+  EXPECT_EQ(images.images, 10);
+  EXPECT_EQ(images.found, 10);
+}
+
+TEST_F(BoardFolders, BoardsAreCountedAlsoWhereTheyAreNotKept) {
+  const std::string images = folder("images", 6);
+  const BoardImages all = find(images, ""), few = find(images, "", 3);
+  EXPECT_EQ(all.found, 6);
+  EXPECT_EQ(few.found, 6);
+  EXPECT_EQ(few.images, 6);
+  EXPECT_EQ(few.input.views.size(), 3U);
 }
 
 TEST_F(BoardFolders, ARightCameraHasAsManyImages) {
