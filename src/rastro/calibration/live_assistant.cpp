@@ -116,7 +116,8 @@ std::size_t LiveAssistant::lacks(const Coverages& coverage) const {
   std::size_t count = lacks_distances(coverage) ? 1 : 0;
   for (std::size_t camera = 0; camera < cameras(); ++camera) {
     const BoardCoverage& of = coverage[camera];
-    count += static_cast<std::size_t>(std::count(of.empty.begin(), of.empty.end(), true));
+    count += static_cast<std::size_t>(std::count(of.empty.begin(), of.empty.end(), true) +
+                                      std::count(of.empty_edges.begin(), of.empty_edges.end(), true));
     count += (of.lacks_tilt_sideways ? 1U : 0U) + (of.lacks_tilt_up_down ? 1U : 0U);
   }
   return count;

@@ -78,6 +78,25 @@ Answer show(LiveAssistant& assistant, const FoundBoards& found) {
   return assistant.offer(found, "image");
 }
 
+TEST(LiveAssistantTest, AViewOfAnEdgeThatAloneIsMissingIsTakenAlsoWithEnoughViews) {
+  const GeneratedBoards made = generate_boards({.seed = 7, .frames = 200, .noise_px = 0.1});
+  LiveAssistant assistant({9, 6, 0.025}, 640, 480);
+  const double outer_sixth = made.input.width / 6.0;
+  const auto at_edge = [&](std::size_t frame) {
+    const std::vector<Eigen::Vector2d>& pixels = made.input.views[frame].pixels;
+    return std::any_of(pixels.begin(), pixels.end(),
+                       [&](const Eigen::Vector2d& pixel) { return pixel.x() < outer_sixth; });
+  };
+  for (std::size_t k = 0; k < made.input.frames.size(); ++k)
+    if (!at_edge(k)) show(assistant, pair_of(made, k));
+  ASSERT_GE(assistant.views(), assistant.enough_views());
+  ASSERT_THAT(assistant.missing(), ElementsAre("the left edge"));
+  for (std::size_t k = 0; k < made.input.frames.size() && !assistant.enough(); ++k)
+    if (at_edge(k)) show(assistant, pair_of(made, k));
+  EXPECT_TRUE(assistant.enough());
+  EXPECT_THAT(assistant.missing(), IsEmpty());
+}
+
 TEST(LiveAssistantTest, OfAPairBothCamerasLackNothing) {
   const GeneratedBoards made = generate_boards({.seed = 8, .frames = 200, .noise_px = 0.1, .stereo = true});
   LiveAssistant assistant({9, 6, 0.025}, 640, 480, {.stereo = true});

@@ -58,7 +58,7 @@ TEST(RecordedBoardsTest, LeftCameraFitsNoWorseThanOpenCvs) {
   const CalibrationInput input = chessboards(folder, {"left"});
   EXPECT_EQ(input.views.size(), 13U);
   const CameraCalibration calibration = calibrate_camera(input);
-  CalibrationReport report{input, calibration, {judge_calibration(calibration, 0, 640, 480)}, 13};
+  CalibrationReport report{input, calibration, {judge_calibration(calibration, 0, 640, 480)}, 13, 13};
   std::printf("%s", calibration_summary(report).c_str());
   EXPECT_LE(calibration.solution.rms_px(), rms_with(calibration, folder + "/left_intrinsics.yml"));
   EXPECT_LT(calibration.solution.rms_px(), 0.19);
@@ -71,7 +71,7 @@ TEST(RecordedBoardsTest, PairHasTheBaselineThatBothCamerasAgreeOn) {
   const CalibrationInput input = chessboards(folder, {"left", "right"});
   EXPECT_EQ(input.views.size(), 26U);
   const CameraCalibration calibration = calibrate_camera(input);
-  CalibrationReport report{input, calibration, {}, 26};
+  CalibrationReport report{input, calibration, {}, 26, 26};
   for (std::size_t camera = 0; camera < 2; ++camera)
     report.trust.push_back(judge_calibration(calibration, camera, 640, 480));
   std::printf("%s", calibration_summary(report).c_str());

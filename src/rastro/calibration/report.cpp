@@ -182,12 +182,11 @@ std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& r
 
 std::string calibration_summary(const CalibrationReport& report) {
   const BoardSolution& solution = report.calibration.solution;
-  std::string text = fmt::format("{} views of the board used, found in {} of {} images; {}, {:.3f} px RMS{}\n",
-                                 solution.problem.views.size(), report.input.views.size(), report.images,
-                                 lens_model_name(solution.problem.lenses.front().model), solution.rms_px(),
-                                 report.calibration.holdout_px > 0.0
-                                     ? fmt::format(", {:.3f} px in images held out", report.calibration.holdout_px)
-                                     : "");
+  std::string text = fmt::format(
+      "{} views of the board used; found in {} of {} images; {}, {:.3f} px RMS{}\n", solution.problem.views.size(),
+      report.found, report.images, lens_model_name(solution.problem.lenses.front().model), solution.rms_px(),
+      report.calibration.holdout_px > 0.0 ? fmt::format(", {:.3f} px in images held out", report.calibration.holdout_px)
+                                          : "");
   text += left_out_lines(report);
   for (std::size_t camera = 0; camera < report.trust.size(); ++camera) {
     text += fmt::format("{} ({}x{})\n", camera_name(report, camera), report.input.width, report.input.height);

@@ -17,6 +17,7 @@ struct CalibrationReport {
   CameraCalibration calibration;
   std::vector<CalibrationTrust> trust;  ///< Per camera.
   int images = 0;                       ///< Searched for the board.
+  int found = 0;                        ///< Of these, with the board; more than the views where not all are kept.
   std::optional<DepthCalibration> depth = {};
   double readout_s = 0.0;  ///< Camera::readout_s, which images of a board that is held still do not tell.
 };

@@ -75,8 +75,9 @@ void name_missing_regions(BoardCoverage& coverage) {
   int whole = 0;
   for (std::size_t side = 0; side < std::size(sides); ++side) {
     const auto& [name, edge, parts] = sides[side];
+    coverage.empty_edges[side] = edge_empty(coverage.seen, side);
     if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) {
-      if (edge_empty(coverage.seen, side)) coverage.missing.emplace_back(edge);
+      if (coverage.empty_edges[side]) coverage.missing.emplace_back(edge);
       continue;
     }
     coverage.missing.emplace_back(name);

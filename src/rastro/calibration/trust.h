@@ -15,6 +15,7 @@ struct BoardCoverage {
   static constexpr double wanted_tilt_deg = 15.0;           ///< To either of two opposite sides.
   std::array<bool, cells_a_side * cells_a_side> seen{};     ///< Of the cells of the image, row by row: has a corner.
   std::array<bool, ninths_a_side * ninths_a_side> empty{};  ///< Of the ninths: most of their cells have none.
+  std::array<bool, 4> empty_edges{};                        ///< Left, right, upper, lower: the outermost cells.
   bool lacks_tilt_sideways = true, lacks_tilt_up_down = true;
   double image_share = 0.0;                           ///< Of 6x6 cells of the image with a corner.
   double largest_tilt_deg[4] = {0.0, 0.0, 0.0, 0.0};  ///< Left, right, up, down: of the board's normal.

@@ -198,6 +198,7 @@ CalibrationReport report_of(const CalibrateFlags& flags, const CalibrationOption
   report.calibration = calibrate_camera(found.input, options);
   report.input = std::move(found.input);
   report.images = found.images;
+  report.found = found.found;
   report.readout_s = std::max(0.0, flags.data.readout_s);
   for (std::size_t camera = 0; camera < (report.input.stereo ? 2U : 1U); ++camera)
     report.trust.push_back(judge_calibration(report.calibration, camera, report.input.width, report.input.height));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
@@ -50,7 +51,9 @@ class BoardSearch {
                   name, "calibrate with images of one size");
     }
     ++result_.images;
-    return detect_board(image.view(), board_);
+    auto found = detect_board(image.view(), board_);
+    result_.found += found ? 1 : 0;
+    return found;
   }
 
  private:
@@ -58,18 +61,66 @@ class BoardSearch {
   BoardImages& result_;
 };
 
-/// The next frame that can be read; unreadable ones are skipped with a warning.
-std::optional<Frame> next_readable(Source& source) {
-  for (;;) {
-    try {
-      return source.next();
-    } catch (const UnusableSource&) {
-      throw;
-    } catch (const Error& error) {
-      log_warning(error.what());
+/// The images of a source that can be read; the others are passed over with a warning.
+class ReadableImages {
+ public:
+  explicit ReadableImages(std::unique_ptr<Source> source) : source_(std::move(source)) {}
+
+  const SourceInfo& info() const { return source_->info(); }
+
+  std::optional<Frame> next() {
+    for (;;) {
+      try {
+        auto frame = source_->next();
+        passed_ += frame ? 1 : 0;
+        return frame;
+      } catch (const UnusableSource&) {
+        throw;
+      } catch (const Error& error) {
+        ++passed_;
+        log_warning(error.what());
+      }
     }
   }
-}
+  /// How many came, readable or not.
+  std::int64_t passed() const { return passed_; }
+
+ private:
+  std::unique_ptr<Source> source_;
+  std::int64_t passed_ = 0;
+};
+
+/// The images of a right camera that has a source of its own, each beside the left one of its number.
+class RightImages {
+ public:
+  RightImages(std::unique_ptr<Source> source, std::string path) : images_(std::move(source)), path_(std::move(path)) {}
+
+  /// nullopt: that image cannot be read. `left`: those of the left camera up to this one.
+  std::optional<Frame> beside(const Frame& frame, const ReadableImages& left) {
+    while (!ended_ && (!next_ || next_->index < frame.index)) {
+      next_ = images_.next();
+      ended_ = !next_;
+    }
+    if (ended_ && images_.passed() < left.passed())
+      throw Error("has fewer images than DATA", path_, "give one image for each of the left camera");
+    if (!next_ || next_->index > frame.index) return std::nullopt;
+    return std::exchange(next_, std::nullopt);
+  }
+
+  /// At the end of the left ones.
+  void require_no_more(const ReadableImages& left) {
+    while (images_.passed() <= left.passed() && images_.next()) {
+    }
+    if (images_.passed() > left.passed())
+      throw Error("has more images than DATA", path_, "give one image for each of the left camera");
+  }
+
+ private:
+  ReadableImages images_;
+  std::string path_;
+  std::optional<Frame> next_;  ///< Read, not yet asked for.
+  bool ended_ = false;
+};
 
 std::unique_ptr<Source> open_images(const std::string& path, OpenOptions options,
                                     const BoardSearchOptions& search_for) {
@@ -110,17 +161,27 @@ void add_views(std::vector<FoundBoard>& found, std::size_t most, BoardImages& re
   }
 }
 
-/// Both images of a frame, searched; the right one is of the second source, where there is one.
-FoundBoard search_frame(BoardSearch& search, const Frame& frame, Source* right_source, const std::string& right) {
+/// Both images of a frame, searched. `right_frame`: of a right camera that has a source of its own.
+FoundBoard search_frame(BoardSearch& search, const Frame& frame, const std::optional<Frame>& right_frame) {
   FoundBoard now{frame.name, {search.search(frame.image, frame.name), std::nullopt}, {}};
-  if (right_source != nullptr) {
-    const auto right_frame = next_readable(*right_source);
-    if (!right_frame) throw Error("has fewer images than DATA", right, "give one image for each of the left camera");
+  if (right_frame) {
     now.corners[1] = search.search(right_frame->image, right_frame->name);
   } else if (!frame.right.empty()) {
     now.corners[1] = search.search(frame.right, frame.name);
   }
   return now;
+}
+
+/// Kept where it tells something new.
+void add_found(FoundBoard now, DepthImage depth, std::vector<FoundBoard>& found, BoardImages& result) {
+  if (!now.corners[0] && !now.corners[1]) return;
+  if (near_known(now, found, least_motion * result.input.width)) {
+    ++result.near_another;
+    return;
+  }
+  if (now.corners[0]) now.depth = std::move(depth);
+  found.push_back(std::move(now));
+  thin_depth(found);
 }
 
 }  // namespace
@@ -138,32 +199,25 @@ void require_images(const SourceInfo& info, const BoardSearchOptions& search_for
 
 BoardImages find_boards(const DataFlags& flags, const Board& board, const BoardSearchOptions& search_for,
                         ProgressBar& bar) {
-  const std::string& right = search_for.right;
-  const auto left_source = open_images(flags.path, open_options(flags), search_for);
-  const std::unique_ptr<Source> right_source =
-      right.empty() ? std::unique_ptr<Source>() : open_images(right, open_options(flags), {});
+  ReadableImages left(open_images(flags.path, open_options(flags), search_for));
+  std::optional<RightImages> right;
+  if (!search_for.right.empty())
+    right.emplace(open_images(search_for.right, open_options(flags), {}), search_for.right);
   BoardImages result;
   result.input.board = board.points();
   result.input.stereo = search_for.is_pair();
-  result.depth_as_read = depth_as_read(left_source->info());
+  result.depth_as_read = depth_as_read(left.info());
   BoardSearch search(board, result);
   std::vector<FoundBoard> found;
-  const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, left_source->info().frame_count));
-  for (std::size_t read = 0; auto frame = next_readable(*left_source); ++read) {
+  const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, left.info().frame_count));
+  for (std::size_t read = 0; auto frame = left.next(); ++read) {
     stop_if_interrupted();
-    FoundBoard now = search_frame(search, *frame, right_source.get(), right);
+    FoundBoard now = search_frame(search, *frame, right ? right->beside(*frame, left) : std::nullopt);
     if (board.kind == BoardKind::chessboard) order_like_left(now.corners);
-    if (now.corners[0] || now.corners[1]) {
-      if (near_known(now, found, least_motion * result.input.width)) {
-        ++result.near_another;
-      } else {
-        if (now.corners[0]) now.depth = std::move(frame->depth);
-        found.push_back(std::move(now));
-        thin_depth(found);
-      }
-    }
+    add_found(std::move(now), std::move(frame->depth), found, result);
     bar.show_steps("images", read + 1, std::max(all, read + 1));
   }
+  if (right) right->require_no_more(left);
   add_views(found, search_for.most_views, result);
   return result;
 }

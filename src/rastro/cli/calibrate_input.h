@@ -19,6 +19,7 @@ class LiveBoards;
 struct BoardImages {
   CalibrationInput input;
   int images = 0;                  ///< Searched.
+  int found = 0;                   ///< Of these, with the board.
   int near_another = 0;            ///< Not used: the board was where it was in another image.
   std::vector<DepthImage> depths;  ///< Per frame of the input; empty where there is none.
   DepthAsRead depth_as_read;
@@ -39,7 +40,8 @@ struct BoardSearchOptions {
   bool is_pair() const { return stereo || !right.empty(); }
 };
 
-/// Searches the board in every image. Error for images of different sizes and where nothing can be read.
+/// Searches the board in every image. Of two sources the images of one number belong together, and where one of them
+/// cannot be read the other is used alone. Error for images of different sizes and for two sources of different length.
 BoardImages find_boards(const DataFlags& flags, const Board& board, const BoardSearchOptions& search_for,
                         ProgressBar& bar);
 

@@ -171,6 +171,7 @@ BoardImages find_boards_live(const DataFlags& flags, const Board& board, const B
     if (search_for.is_pair()) require_size(frame->right, *assistant, flags.path);
     result.images += search_for.is_pair() ? 2 : 1;
     const FoundBoards found = search(*frame, board);
+    result.found += (found[0] ? 1 : 0) + (found[1] ? 1 : 0);
     const LiveAssistant::Answer answer = assistant->offer(found, frame->name);
     if (page != nullptr) page->show(*frame, found, answer, *assistant);
     if (answer != LiveAssistant::Answer::taken) continue;

@@ -82,6 +82,7 @@ RunInput open_run_input(const RunFlags& flags, const OpenOptions& options, const
   live_options.queue = static_cast<std::size_t>(flags.live.queue);
   live_options.user = user;
   live_options.stop = &catch_interrupts();
+  live_options.drains = flags.live.drains;
   live_options.tap = recorder_for(source->info(), flags.live.record, input);
   auto live = std::make_unique<LiveInput>(std::move(source), steady_clock(), std::move(live_options));
   log_info("live: frames come at their own time, so runs may differ");

@@ -91,6 +91,7 @@ void add_record_command(CLI::App& app, Context&) {
   CLI::App* command = app.add_subcommand("record", "Records a live source, lossless, as it comes");
   const auto flags = std::make_shared<RunFlags>();
   flags->live.queue = 32;
+  flags->live.drains = true;
   command->add_option("--out", flags->out, "Output folder; new or empty")->type_name("DIR")->required();
   add_live_flags(*command, flags->live, "the disk");
   add_data_flags(*command, flags->data);

@@ -14,10 +14,11 @@ namespace rastro::cli {
 
 /// The flags of live sources.
 struct LiveFlags {
-  double speed = 1.0;  ///< --speed; of a replay
-  bool loop = false;   ///< --loop; of a replay
-  int queue = 8;       ///< --queue, frames
-  std::string record;  ///< --record DIR; empty: nothing is recorded
+  double speed = 1.0;   ///< --speed; of a replay
+  bool loop = false;    ///< --loop; of a replay
+  int queue = 8;        ///< --queue, frames
+  bool drains = false;  ///< No flag: after Ctrl-C what waits in the queue is still taken.
+  std::string record;   ///< --record DIR; empty: nothing is recorded
 };
 
 /// The flags that mean the same in every subcommand that runs something with an option table.

@@ -62,7 +62,7 @@ void LiveInput::start() {
 }
 
 void LiveInput::take_frames() {
-  while (!closing_.load()) {
+  while (!closing_.load() && !(options_.drains && is_stopped())) {
     Waiting item = take_one();
     note_condition();
     const bool ended = item.is_last || condition_.state == LiveState::ended;
@@ -106,6 +106,8 @@ void LiveInput::note_condition() {
 
 void LiveInput::push(Waiting item) {
   const std::lock_guard lock(mutex_);
+  // next() may have seen already that none waits.
+  if (options_.drains && is_stopped()) return;
   if (item.frame) {
     ++statistics_.arrived;
     statistics_.lost += item.frame->lost_before;
@@ -122,10 +124,8 @@ std::optional<Frame> LiveInput::next() {
   start();
   std::unique_lock lock(mutex_);
   for (;;) {
-    if (is_stopped()) {
-      was_stopped_ = true;
-      return std::nullopt;
-    }
+    was_stopped_ = was_stopped_ || is_stopped();
+    if (was_stopped_ && (!options_.drains || queue_.empty())) return std::nullopt;
     if (!queue_.empty()) break;
     if (ended_) return std::nullopt;
     if (filled_.wait_for(lock, std::chrono::nanoseconds(patience), [this] { return !queue_.empty() || ended_; }))

@@ -27,6 +27,7 @@ struct LiveInputOptions {
   std::size_t queue = 8;                    ///< Frames that may wait for the method; at least 1.
   std::string user = "the method";          ///< What takes the frames, for messages.
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): next() returns at once. May be null.
+  bool drains = false;                      ///< Once stopped, next() still gives the frames that wait.
   /// Called for each frame that arrives, dropped later or not, in the thread that takes them. May be empty.
   std::function<void(const Frame&)> tap = {};
   /// Called by next() in its thread about 20 times a second while no frame comes. May be empty.
@@ -43,7 +44,8 @@ class LiveInput final : public Source {
   ~LiveInput() override;
 
   const SourceInfo& info() const override { return source_->info(); }
-  /// The oldest frame that waits, or the next one that comes. nullopt at the end of the source, or once stopped.
+  /// The oldest frame that waits, or the next one that comes. nullopt at the end of the source, or once stopped (with
+  /// LiveInputOptions::drains when none waits any more).
   std::optional<Frame> next() override;
 
   /// The frame that next() returned last has its pose.

@@ -179,5 +179,54 @@ TEST(LiveInput, StopsWhileItWaits) {
   EXPECT_LT(clock.now() - begin, ns_per_second);
 }
 
+TEST(LiveInput, GivesWhatWaitsAlsoOnceStoppedWhereItIsToDrain) {
+  for (const bool drains : {true, false}) {
+    FakeClock clock;
+    std::promise<void> go, done;
+    std::atomic<bool> stop = false;
+    LiveInputOptions options;
+    options.stop = &stop;
+    options.drains = drains;
+    LiveInput input(std::make_unique<ScriptedSource>(std::vector<Step>(6), clock, &go, &done), clock, options);
+    EXPECT_EQ(input.next()->index, 0);
+    go.set_value();
+    done.get_future().wait();  // all others wait
+    stop = true;
+    EXPECT_EQ(read_all(input), drains ? (std::vector<std::int64_t>{1, 2, 3, 4, 5}) : std::vector<std::int64_t>{});
+    EXPECT_TRUE(input.was_stopped());
+    EXPECT_FALSE(input.next());
+  }
+}
+
+/// Gives a frame each time, and stops the input while it makes the third.
+class StoppingSource final : public LiveSource {
+ public:
+  explicit StoppingSource(std::atomic<bool>& stop) : stop_(stop) {}
+  const SourceInfo& info() const override { return info_; }
+  std::optional<ArrivedFrame> next(TimeNs) override {
+    ArrivedFrame arrived;
+    arrived.frame.index = frames_++;
+    if (frames_ == 3) stop_ = true;
+    return arrived;
+  }
+  LiveCondition condition() const override { return {}; }
+
+ private:
+  std::atomic<bool>& stop_;
+  SourceInfo info_;
+  std::int64_t frames_ = 0;
+};
+
+TEST(LiveInput, TakesNoFurtherFramesOnceStoppedWhereItIsToDrain) {
+  SteadyClock clock;
+  std::atomic<bool> stop = false;
+  LiveInputOptions options;
+  options.stop = &stop;
+  options.drains = true;
+  LiveInput input(std::make_unique<StoppingSource>(stop), clock, options);
+  EXPECT_EQ(read_all(input), (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(input.statistics().arrived, 2) << "what is not given is not counted either";
+}
+
 }  // namespace
 }  // namespace rastro

@@ -11,6 +11,7 @@
 #include "rastro/dataset/live/camera_image.h"
 #include "rastro/dataset/live/jpeg_stream.h"
 #include "rastro/dataset/live/pipe.h"
+#include "rastro/dataset/live/stream.h"
 #include "rastro/dataset/live/y4m.h"
 
 namespace rastro {
@@ -170,6 +171,13 @@ TEST(Pipe, RefusesWhatIsNeither) {
   EXPECT_THAT(refused("RIFF"), HasSubstr("neither Y4M nor MJPEG"));
   EXPECT_THAT(refused(""), HasSubstr("no images"));
   EXPECT_THAT(refused("YUV4MPEG2 W6 H4\nFRAME\n"), HasSubstr("no whole image"));
+}
+
+TEST(Stream, IsGivenMoreTimeWithEachTryToOpenItAgain) {
+  ReopenLimit limit(1500, 5000);
+  for (const int expected : {1500, 3000, 5000, 5000}) EXPECT_EQ(limit.take_ms(), expected);
+  limit.reset();
+  EXPECT_EQ(limit.take_ms(), 1500);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ class ReplaySource final : public LiveSource {
  private:
   void fetch() {
     if (ended_) return;
-    waiting_ = source_->next();
+    if (!begins_again_) waiting_ = source_->next();
     if (!waiting_ && options_.loop && frames_ > 0) rewind();
     if (!waiting_) {
       ended_ = true;
@@ -69,13 +69,23 @@ class ReplaySource final : public LiveSource {
     waiting_->index += index_offset_;
   }
 
+  /// Goes on where an earlier call threw since the first frames cannot be read.
   void rewind() {
-    source_ = open_();
+    if (!begins_again_) open_again();
+    begins_again_ = true;
     waiting_ = source_->next();
+    begins_again_ = false;
     if (!waiting_) return;
     stamp_offset_ += last_recorded_ + period_ - waiting_->stamp;
     index_offset_ += last_index_ + 1 - waiting_->index;
     last_recorded_ = waiting_->stamp - period_;
+  }
+
+  /// A recording that is gone ends the replay, or it would be tried forever.
+  void open_again() {
+    ended_ = true;
+    source_ = open_();
+    ended_ = false;
   }
 
   /// Stamps that do not rise are due at once.
@@ -101,6 +111,7 @@ class ReplaySource final : public LiveSource {
   TimeNs first_stamp_ = 0, last_recorded_ = 0, period_ = usual_period, stamp_offset_ = 0;
   std::int64_t last_index_ = -1, index_offset_ = 0;
   TimeNs late_ = 0;
+  bool begins_again_ = false;  ///< No frame was read since the recording was opened again.
   bool ended_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "rastro/base/clock_testing.h"
 #include "rastro/dataset/dataset_testing.h"
@@ -83,6 +84,49 @@ TEST_F(Replay, LoopsWithStampsAndNumbersThatGoOn) {
     EXPECT_EQ(arrived->frame.stamp, first + k * 50 * ms);
     EXPECT_EQ(arrived->frame.image.at(0, 0), 10 + k % 5);
   }
+}
+
+TEST_F(Replay, LoopsWithStampsThatGoOnAlsoWhereTheFirstFramesCannotBeRead) {
+  for (const char* stamp : {"1400000000000000000", "1400000000050000000"})
+    folder_.write(std::string("mav0/cam0/data/") + stamp + ".png", "no image");
+  const auto source = replay(1.0, true);
+  std::optional<TimeNs> last_stamp, last_exposed;
+  int frames = 0, errors = 0;
+  for (int k = 0; k < 20; ++k) {
+    std::optional<ArrivedFrame> arrived;
+    if (!error_of([&] { arrived = source->next(ns_per_second); }).empty()) {
+      ++errors;
+      continue;
+    }
+    ASSERT_TRUE(arrived) << k;
+    if (last_stamp) {
+      EXPECT_EQ(arrived->frame.stamp, *last_stamp + 50 * ms) << k;
+      EXPECT_EQ(arrived->exposed, *last_exposed + 50 * ms) << k;
+    }
+    last_stamp = arrived->frame.stamp;
+    last_exposed = arrived->exposed;
+    ++frames;
+  }
+  EXPECT_EQ(frames, 12);
+  EXPECT_EQ(errors, 8);
+}
+
+TEST_F(Replay, EndsALoopOverWhatIsGone) {
+  const auto none_readable = replay(1.0, true);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(none_readable->next(ns_per_second));
+  for (int k = 0; k < 5; ++k)
+    folder_.write("mav0/cam0/data/" + std::to_string(1'400'000'000'000'000'000 + k * 50 * ms) + ".png", "no image");
+  for (int k = 0; k < 5; ++k) EXPECT_NE(error_of([&] { none_readable->next(ns_per_second); }), "") << k;
+  EXPECT_FALSE(none_readable->next(ns_per_second));
+  EXPECT_EQ(none_readable->condition().state, LiveState::ended);
+
+  write_euroc(folder_, 1);
+  const auto removed = replay(1.0, true);
+  ASSERT_TRUE(removed->next(ns_per_second));
+  std::filesystem::remove_all(folder_.path());
+  EXPECT_NE(error_of([&] { removed->next(ns_per_second); }), "");
+  EXPECT_FALSE(removed->next(ns_per_second));
+  EXPECT_EQ(removed->condition().state, LiveState::ended);
 }
 
 TEST_F(Replay, RefusesWhatItCannotReplay) {

@@ -68,9 +68,13 @@ std::unique_ptr<LiveSource> open_stream(const std::string& address, const OpenOp
   auto device = open_device(open_within_ms);
   const ImageSize size = device->size();
   const auto known = size.width > 0 && size.height > 0 ? std::optional(size) : std::nullopt;
-  return make_live_camera(
-      camera_info(address, "live_stream", known, options), std::move(device),
-      [open_device] { return open_device(image_within_ms); }, options, {}, clock);
+  const auto reopen = [open_device, limit = ReopenLimit(image_within_ms, open_within_ms)]() mutable {
+    auto again = open_device(limit.take_ms());
+    limit.reset();
+    return again;
+  };
+  return make_live_camera(camera_info(address, "live_stream", known, options), std::move(device), reopen, options, {},
+                          clock);
 }
 
 }  // namespace rastro

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "rastro/base/text.h"
 #include "rastro/dataset/live/camera_image.h"
@@ -183,16 +184,19 @@ class V4l2Device final : public CameraDevice {
     if (!camera_name(handle_)) throw Error("is no camera", request.file, "'rastro devices' lists the cameras");
     setting_ = choose_mode(handle_, request, want_color);
     require_plausible();
-    map_buffers();
-    for (std::uint32_t index = 0; index < buffers_.size(); ++index) give_back(index);
-    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    handle_.control(VIDIOC_STREAMON, type, "does not start");
+    try {
+      start();
+    } catch (...) {
+      // Buffers that stay mapped keep the device in use, for this program too.
+      unmap();
+      throw;
+    }
   }
 
   ~V4l2Device() override {
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     handle_.try_control(VIDIOC_STREAMOFF, type);
-    for (const Buffer& buffer : buffers_) handle_.system().unmap(buffer.address, buffer.length);
+    unmap();
   }
 
   ImageSize size() const { return {static_cast<int>(setting_.image.width), static_cast<int>(setting_.image.height)}; }
@@ -244,6 +248,13 @@ class V4l2Device final : public CameraDevice {
     return buffer;
   }
 
+  void start() {
+    map_buffers();
+    for (std::uint32_t index = 0; index < buffers_.size(); ++index) give_back(index);
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    handle_.control(VIDIOC_STREAMON, type, "does not start");
+  }
+
   void map_buffers() {
     auto request = zeroed<v4l2_requestbuffers>();
     request.count = buffers_wanted;
@@ -260,6 +271,11 @@ class V4l2Device final : public CameraDevice {
     if (buffers_.empty()) throw DeviceGone(handle_.file() + ": gives no buffers");
   }
 
+  void unmap() {
+    for (const Buffer& buffer : buffers_) handle_.system().unmap(buffer.address, buffer.length);
+    buffers_.clear();
+  }
+
   void give_back(std::uint32_t index) {
     auto buffer = buffer_request(index);
     handle_.control(VIDIOC_QBUF, buffer, "does not take a buffer");
@@ -272,8 +288,7 @@ class V4l2Device final : public CameraDevice {
 
   ArrivedFrame read(const v4l2_buffer& buffer) {
     ArrivedFrame arrived;
-    if (last_sequence_ && buffer.sequence > *last_sequence_ + 1)
-      arrived.lost_before = buffer.sequence - *last_sequence_ - 1;
+    if (last_sequence_ && buffer.sequence > *last_sequence_ + 1) lost_ += buffer.sequence - *last_sequence_ - 1;
     last_sequence_ = buffer.sequence;
     if (buffer.flags & V4L2_BUF_FLAG_ERROR) throw Error("an image is damaged", handle_.file(), "");
     const auto* bytes = static_cast<const unsigned char*>(buffers_[buffer.index].address);
@@ -281,6 +296,7 @@ class V4l2Device final : public CameraDevice {
     convert_image(bytes, used, arrived.frame);
     arrived.exposed = time_of(buffer);
     arrived.frame.stamp = arrived.exposed + offset_;
+    arrived.lost_before = std::exchange(lost_, 0);
     return arrived;
   }
 
@@ -307,6 +323,7 @@ class V4l2Device final : public CameraDevice {
   Setting setting_{};
   std::vector<Buffer> buffers_;
   std::optional<std::uint32_t> last_sequence_;
+  std::int64_t lost_ = 0;  ///< Since the last image that could be used.
 };
 
 std::vector<double> rates_of(Handle& handle, std::uint32_t code, const ImageSize& size) {

@@ -34,6 +34,7 @@ class FakeDriver final : public V4l2System {
 
   std::vector<std::pair<std::uint32_t, unsigned>> formats = {{V4L2_PIX_FMT_YUYV, 30}};  ///< With their highest rate.
   int open_error = 0;
+  int failing_starts = 0;
   bool is_unplugged = false, is_silent = false, is_camera = true;
   std::uint32_t lost = 0;   ///< Before the next image.
   std::uint32_t flags = 0;  ///< Of the next image.
@@ -78,6 +79,7 @@ class FakeDriver final : public V4l2System {
       case VIDIOC_S_PARM:
         return set(*static_cast<v4l2_streamparm*>(argument));
       case VIDIOC_REQBUFS:
+        if (mapped > 0) return fail(EBUSY);
         return static_cast<v4l2_requestbuffers*>(argument)->count = 2, 0;
       case VIDIOC_QUERYBUF:
         return place(*static_cast<v4l2_buffer*>(argument));
@@ -86,6 +88,7 @@ class FakeDriver final : public V4l2System {
       case VIDIOC_DQBUF:
         return fill(*static_cast<v4l2_buffer*>(argument));
       case VIDIOC_STREAMON:
+        return failing_starts > 0 ? --failing_starts, fail(EPROTO) : 0;
       case VIDIOC_STREAMOFF:
         return 0;
       default:
@@ -233,7 +236,11 @@ TEST_F(V4l2, CountsWhatTheDriverLostAndSkipsDamagedImages) {
   driver_.lost = 3;
   EXPECT_EQ(source->next(50 * ms)->lost_before, 3);
   driver_.flags = V4L2_BUF_FLAG_ERROR;
+  driver_.lost = 2;
   EXPECT_THAT(error_of([&] { source->next(50 * ms); }), HasSubstr("damaged"));
+  driver_.lost = 1;
+  EXPECT_EQ(source->next(50 * ms)->lost_before, 3) << "also those before the damaged one";
+  EXPECT_EQ(source->next(50 * ms)->lost_before, 0);
   for (int k = 0; k < 5; ++k) EXPECT_TRUE(source->next(50 * ms)) << "its buffer is given back";
 }
 
@@ -256,6 +263,14 @@ TEST_F(V4l2, IsGoneWhenUnpluggedAndGoesOnWhenItReturns) {
   driver_.is_silent = true;
   for (int k = 0; k < 60; ++k) source->next(50 * ms);
   EXPECT_EQ(source->condition().state, LiveState::stalled);
+}
+
+TEST_F(V4l2, ACameraThatDoesNotStartIsNotKeptInUse) {
+  driver_.failing_starts = 1;
+  EXPECT_THAT(refused("/dev/video0"), HasSubstr("does not start"));
+  EXPECT_EQ(driver_.mapped, 0);
+  EXPECT_EQ(driver_.open_files, 0);
+  EXPECT_TRUE(camera("/dev/video0")->next(50 * ms));
 }
 
 TEST_F(V4l2, SaysWhyItCannotBeUsed) {

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "rastro/base/error.h"
@@ -86,13 +87,21 @@ cv::Mat best_image(const Frame& frame) {
 /// Names of files after stamps; a stamp that came before gets a number.
 class StampNames {
  public:
+  explicit StampNames(fs::path folder) : folder_(std::move(folder)) {}
+
   std::string name(const std::string& stamp) {
+    // Where all stamps are the same, not every number is tried.
     repeated_ = stamp == last_ ? repeated_ + 1 : 0;
     last_ = stamp;
-    return repeated_ == 0 ? stamp + ".png" : fmt::format("{}_{}.png", stamp, repeated_);
+    std::error_code ignored;
+    while (fs::exists(folder_ / numbered(), ignored)) ++repeated_;
+    return numbered();
   }
 
  private:
+  std::string numbered() const { return repeated_ == 0 ? last_ + ".png" : fmt::format("{}_{}.png", last_, repeated_); }
+
+  const fs::path folder_;
   std::string last_;
   int repeated_ = 0;
 };
@@ -141,7 +150,7 @@ class RecordingWriter::EurocLayout final : public Layout {
 
   const SourceInfo info_;
   const fs::path folder_;
-  StampNames names_;
+  StampNames names_{folder_ / "cam0/data"};
   std::unique_ptr<AppendFile> left_, right_;
 };
 
@@ -185,7 +194,7 @@ class RecordingWriter::TumLayout final : public Layout {
   const double units_per_meter_, offset_m_;
   AppendFile color_{folder_ / "rgb.txt"};
   std::unique_ptr<AppendFile> depth_, pairs_;  ///< From the first depth on: readers refuse empty lists.
-  StampNames names_, depth_names_;
+  StampNames names_{folder_ / "rgb"}, depth_names_{folder_ / "depth"};
 };
 
 RecordingWriter::RecordingWriter(const SourceInfo& info, const fs::path& folder) {

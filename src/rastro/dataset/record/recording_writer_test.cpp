@@ -111,7 +111,7 @@ TEST(RecordingWriter, KeepsStampsTotheNanosecondAlsoIfTheyRepeat) {
   info.has_depth = true;
   info.depth_factor = 1000.0;
   std::vector<Frame> frames;
-  for (const std::int64_t index : {0, 1, 1, 2}) {
+  for (const std::int64_t index : {0, 1, 1, 2, 1, 1}) {
     frames.push_back(frame_of(index));
     frames.back().depth = DepthImage(64, 48);
     frames.back().depth.at(3, 4) = static_cast<float>(1.234 + static_cast<double>(frames.size()));
@@ -129,6 +129,28 @@ TEST(RecordingWriter, KeepsStampsTotheNanosecondAlsoIfTheyRepeat) {
     EXPECT_TRUE(same(read[k].image, frames[k].image));
     EXPECT_NEAR(read[k].depth.at(3, 4), frames[k].depth.at(3, 4), 1e-6) << "not the depth of another frame";
   }
+}
+
+TEST(RecordingWriter, AStampThatComesAgainLaterOverwritesNoImage) {
+  const ScratchFolder folder;
+  std::vector<Frame> frames;
+  for (const std::int64_t second : {10, 20, 10, 20, 20, 10}) {
+    frames.push_back(frame_of(static_cast<std::int64_t>(frames.size())));
+    frames.back().right = noise(64, 48, 100 + frames.size());
+    frames.back().stamp = 1'700'000'000'000'000'000 + second * ns_per_second;
+  }
+  {
+    RecordingWriter writer({}, folder.path("new"));
+    for (const Frame& frame : frames) writer.write(frame);
+  }
+  const auto read = read_all(folder.path("new"));
+  ASSERT_EQ(read.size(), frames.size());
+  for (std::size_t k = 0; k < read.size(); ++k) {
+    EXPECT_EQ(read[k].stamp, frames[k].stamp);
+    EXPECT_TRUE(same(read[k].image, frames[k].image)) << k;
+  }
+  const auto right_images = std::filesystem::directory_iterator(folder.path("new/mav0/cam1/data"));
+  EXPECT_EQ(std::distance(right_images, {}), 6);
 }
 
 SourceInfo calibrated_pair(Distortion distortion) {
