@@ -147,5 +147,27 @@ TEST(CompareList, EntriesThatReadTheSameAreOneInput) {
   EXPECT_EQ(plan.list.entries.size(), 5U * 4U);
 }
 
+TEST(CompareList, WithoutASensorTheMethodTakesWhatTheInputHas) {
+  const BenchmarkList list = parse_benchmark_list(
+      "entries:\n"
+      "  - {world: bedroom, method: [orb, fusion, rgbd]}\n"
+      "  - {world: bedroom, method: orb, sensor: mono}\n"
+      "  - {world: bedroom, method: lsd, settings: {sensor: mono}}\n"
+      "  - {world: loop, method: [orb, rtabmap]}\n",
+      "list.yaml");
+  ListedCells cells = cells_of(list);
+  ASSERT_EQ(cells.inputs.size(), 2U);
+  cells.inputs[0].facts.has_depth = cells.inputs[1].facts.has_right = true;
+  choose_sensors(list, cells.inputs, cells);
+  std::vector<std::string> columns, kinds;
+  for (const ListedCell& cell : cells.cells) columns.push_back(cell.column), kinds.push_back(cell.method.kind);
+  EXPECT_THAT(columns, ElementsAre("orb rgbd", "fusion rgbd", "rgbd", "orb mono", "lsd mono sensor=mono", "orb stereo",
+                                   "rtabmap stereo"));
+  EXPECT_THAT(kinds, ElementsAre("depth", "depth", "depth", "mono", "mono", "stereo", "stereo"));
+  ComparePlan plan;
+  plan_list(list, cells, cells.inputs, 1, plan);
+  EXPECT_EQ(plan.list.entries.front().method.sensor, "") << "it runs as the list says";
+}
+
 }  // namespace
 }  // namespace rastro::cli

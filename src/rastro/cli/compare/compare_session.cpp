@@ -89,9 +89,10 @@ void CompareSession::plan_all_methods() {
 }
 
 void CompareSession::plan_listed() {
-  const ListedCells cells = cells_of(*task_.list);
+  ListedCells cells = cells_of(*task_.list);
   task_.inputs = cells.inputs;
   for (CompareInput& input : task_.inputs) look_at(input);
+  choose_sensors(*task_.list, task_.inputs, cells);
   offered_.resize(task_.inputs.size());
   for (const ListedCell& cell : cells.cells) {
     column_kinds_[cell.column] = cell.method.kind;
