@@ -29,7 +29,7 @@ namespace {
 
 constexpr const char* compare_footer = R"(
 INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
-of a recording for every run on it. Methods run with every sensor that they can use: a recording with depth also as one of one camera
+of a recording for every run on it. The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor that they can use: a recording with depth also as one of one camera
 ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth images, as if the camera were level ('hector scan').
 A list of 'rastro benchmark' says itself which methods run on what.
 --methods takes NAME, odometry/NAME, and NAME:SENSOR, such as orb:stereo.
@@ -231,7 +231,7 @@ void add_input_flags(CLI::App& command, CompareFlags& flags) {
   command.add_option("--data", flags.data, "Folder of recordings (default: $RASTRO_DATA, else ../shared/data)")
       ->type_name("DIR")
       ->group(group);
-  command.add_option("--frames", flags.frames, "Frames A to B-1 only")->type_name("A:B")->group(group);
+  command.add_option("--frames", flags.frames, "Frames A to B-1 only, also of worlds")->type_name("A:B")->group(group);
   command.add_option("--every", flags.every, "Every N-th frame only")->type_name("N")->group(group);
   command.add_option("--rate", flags.rate, "Frame rate in Hz for data without timestamps")
       ->type_name("HZ")

@@ -6,6 +6,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/scratch_testing.h"
 #include "rastro/cli/compare/compare_input.h"
 #include "rastro/cli/compare/compare_list.h"
@@ -53,6 +54,26 @@ TEST(CompareInput, FlagsOfARecordingAreForEveryRun) {
   EXPECT_EQ(input.input.frames, "5:9") << "its own frames count";
   EXPECT_THAT(input.flags, ElementsAre("--rate", "10", "--intrinsics", "1,2,3,4"));
   EXPECT_THAT(input.seeds, IsEmpty());
+}
+
+TEST(CompareInput, AFolderNamedLikeAWorldDoesNotTakeItsPlace) {
+  const auto folder = scratch_folder("bedroom");
+  std::string warned;
+  set_log_sink([&](LogLevel, const std::string& line) { warned += line; });
+  const InputDefaults defaults{"", {}, 1, folder.parent_path().string()};
+  EXPECT_EQ(parse_compare_input("bedroom", defaults).input.world, "bedroom");
+  EXPECT_THAT(warned, HasSubstr("bedroom: is taken as the world"));
+  EXPECT_FALSE(parse_compare_input(folder.string(), defaults).is_world());
+  set_log_sink({});
+}
+
+TEST(CompareInput, FramesCountWhateverTheyAreOfAndHoweverTheyAreGiven) {
+  const auto folder = scratch_folder("recording");
+  const InputDefaults defaults{"0:50", {}, 1, ""};
+  const CompareInput input = parse_compare_input(folder.string() + " --frames=5:9 --fov 60", defaults);
+  EXPECT_EQ(input.frames(), "5:9");
+  EXPECT_THAT(input.flags, ElementsAre("--fov", "60"));
+  EXPECT_EQ(parse_compare_input("bedroom", defaults).frames(), "0:50") << "its runs get them too";
 }
 
 TEST(CompareInput, NamesAreUniqueAndUnknownOnesAreRefused) {
