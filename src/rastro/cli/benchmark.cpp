@@ -31,7 +31,8 @@ struct BenchmarkFlags {
 constexpr const char* benchmark_footer = R"(
 FILE is a YAML list of recordings or worlds, methods, settings and disturbances; docs/how-to/benchmark.md describes it, bench/lists has
 some. Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
-where it was. Results of another program, or of a list that says otherwise now, are run again.
+where it was. Results of another program, of a list that says otherwise now, of other --jobs or --threads, or of files that changed
+since are run again.
 
 Columns, per entry over its seeds:
   runs               with a result, of those in the list if some are missing

@@ -29,8 +29,9 @@ namespace {
 
 constexpr const char* compare_footer = R"(
 INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
-of a recording for every run on it. The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor that they can use: a recording with depth also as one of one camera
-('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth images, as if the camera were level ('hector scan').
+of a recording for every run on it. The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor
+that they can use: a recording with depth also as one of one camera ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth
+images, as if the camera were level ('hector scan').
 A list of 'rastro benchmark' says itself which methods run on what.
 --methods takes NAME, odometry/NAME, and NAME:SENSOR, such as orb:stereo.
 
@@ -42,8 +43,9 @@ share of the input's frames with a pose; false are frames whose pose is more tha
 without, or its error doubles.
 
 Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
-where it was. Results of another program, or of other flags, are run again. --out gets report.html, a page that needs no network, report.md,
-report.tex (booktabs) and report.csv, a line for each value with its command, and maps/, a page with the map of each method in 3D.
+where it was. Results of another program, of other flags, or of files that changed since are run again. --out gets report.html, a page
+that needs no network, report.md, report.tex (booktabs) and report.csv, a line for each value with its command, and maps/, a page with the
+map of each method in 3D.
 
 Examples:
   rastro compare bedroom --methods all --out compared

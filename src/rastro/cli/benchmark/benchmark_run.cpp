@@ -82,6 +82,8 @@ class Workers {
     BenchmarkResult result;
     result.entry = run.entry, result.seed = run.seed;
     result.command = plan_.command_of(run), result.program = setup_.program;
+    result.files = run.files;
+    result.jobs = setup_.jobs, result.threads = setup_.threads;
     result.failure = parts_.need(run);
     if (is_over()) return std::nullopt;
     if (!result.failure.empty()) return result;
@@ -135,6 +137,20 @@ class Workers {
   int done_ = 0;
 };
 
+using Count = int ResumedBenchmark::*;
+
+/// Where a run counts that has a former result but is run again; null: the result holds.
+Count reason_to_run(const BenchmarkPlan& plan, const BenchmarkRun& run, const BenchmarkSetup& setup,
+                    const BenchmarkResult& former) {
+  constexpr double most_of_a_wait = 1.1;  // until a run is stopped, it takes somewhat longer than its limit
+  if (former.command != plan.command_of(run)) return &ResumedBenchmark::other_command;
+  if (former.program != setup.program) return &ResumedBenchmark::other_program;
+  if (former.files != run.files) return &ResumedBenchmark::other_files;
+  if (former.jobs != setup.jobs || former.threads != setup.threads) return &ResumedBenchmark::other_load;
+  if (former.timed_out && setup.timeout_s > most_of_a_wait * former.wall_s) return &ResumedBenchmark::more_time;
+  return nullptr;
+}
+
 }  // namespace
 
 std::string ResumedBenchmark::text() const {
@@ -142,25 +158,22 @@ std::string ResumedBenchmark::text() const {
   if (other_command > 0) text += fmt::format("; {} run again: the list changed", other_command);
   if (more_time > 0) text += fmt::format("; {} run again: they have more time now", more_time);
   if (other_program > 0) text += fmt::format("; {} run again: the program changed", other_program);
+  if (other_files > 0) text += fmt::format("; {} run again: files that they read changed", other_files);
+  if (other_load > 0) text += fmt::format("; {} run again: with other --jobs or --threads", other_load);
   return text;
 }
 
 ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
-  constexpr double most_of_a_wait = 1.1;  // until a run is stopped, it takes somewhat longer than its limit
   ResumedBenchmark resumed;
   for (const BenchmarkRun& run : plan.runs) {
     const auto former = setup.force ? std::nullopt : read_benchmark_result(result_file(setup, run));
-    const bool same_command = former && former->command == plan.command_of(run);
-    const bool same_program = former && former->program == setup.program;
-    const bool has_more_time = former && former->timed_out && setup.timeout_s > most_of_a_wait * former->wall_s;
-    if (same_command && same_program && !has_more_time) {
+    const Count reason = former ? reason_to_run(plan, run, setup, *former) : nullptr;
+    if (former && reason == nullptr) {
       resumed.results.push_back(*former);
       continue;
     }
     resumed.missing.push_back(&run);
-    if (former && !same_command) ++resumed.other_command;
-    if (same_command && !same_program) ++resumed.other_program;
-    if (same_command && same_program && has_more_time) ++resumed.more_time;
+    if (reason != nullptr) ++(resumed.*reason);
   }
   return resumed;
 }

@@ -42,6 +42,8 @@ struct ResumedBenchmark {
   int other_program = 0;                     ///< Missing since their result is of another program.
   int more_time = 0;                         ///< Missing since they were stopped by a shorter limit.
   int other_command = 0;                     ///< Missing since the list says otherwise now.
+  int other_files = 0;                       ///< Missing since a file that they read changed.
+  int other_load = 0;                        ///< Missing since they had other threads, or more runs beside them.
 
   /// "12 of 40 runs have results; 3 run again: the list changed"; one line.
   std::string text() const;

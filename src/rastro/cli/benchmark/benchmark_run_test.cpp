@@ -170,6 +170,42 @@ TEST(BenchmarkRun, AnotherProgramOrListRunsAgainAndSaysSo) {
   EXPECT_EQ(resume_benchmark(limit, setup).other_command, 2) << "it is judged otherwise";
 }
 
+TEST(BenchmarkRun, ChangedFilesRunAgainAndSaySo) {
+  const auto recording = scratch_folder("recording"), camera = scratch_path("camera.yaml");
+  write_whole_file(recording / "info.txt", "1");
+  write_whole_file(camera, "fx: 1\n");
+  const std::string list = "entries:\n  - {data: " + recording.string() + ", method: orb, flags: --calibration " +
+                           camera.string() + ", map: {frames: \"0:4\"}}\n";
+  const BenchmarkSetup setup = setup_in("changed_files");
+  FakeProgram program;
+  call(plan_of(list), setup, program);
+  fs::create_directories(recording / "run");
+  write_whole_file(recording / "run/about.json", "{}");
+  EXPECT_EQ(resume_benchmark(plan_of(list), setup).text(), "1 of 1 runs have results") << "a run kept with it";
+  write_whole_file(camera, "fx: 20\n");
+  const BenchmarkPlan calibrated = plan_of(list);
+  EXPECT_EQ(resume_benchmark(calibrated, setup).text(),
+            "0 of 1 runs have results; 1 run again: files that they read changed");
+  call(calibrated, setup, program);
+  EXPECT_EQ(program.count_of("slam"), 2) << "its map too";
+  write_whole_file(recording / "info.txt", "22");
+  EXPECT_EQ(resume_benchmark(plan_of(list), setup).other_files, 1);
+}
+
+TEST(BenchmarkRun, OtherThreadsOrJobsRunAgainAndSaySo) {
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  BenchmarkSetup setup = setup_in("threads");
+  FakeProgram program;
+  call(plan, setup, program);
+  fs::last_write_time(setup.out / plan.runs.front().recording, fs::file_time_type::clock::now());
+  EXPECT_TRUE(resume_benchmark(plan_of(two_seeds), setup).missing.empty()) << "worlds are made by the benchmark itself";
+  setup.threads = 2;
+  EXPECT_EQ(resume_benchmark(plan, setup).text(),
+            "0 of 2 runs have results; 2 run again: with other --jobs or --threads");
+  setup.threads = 0, setup.jobs = 2;
+  EXPECT_EQ(resume_benchmark(plan, setup).other_load, 2);
+}
+
 TEST(BenchmarkRun, WithoutKeepNothingButResultsIsLeft) {
   BenchmarkSetup setup = setup_in("keep_no");
   setup.keep = false;
