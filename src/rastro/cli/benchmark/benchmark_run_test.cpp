@@ -277,6 +277,13 @@ TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
   EXPECT_EQ(failure_of(end), "exit code 2: rastro: last");
 }
 
+TEST(ChildProcess, HasItsOwnMemoryNotThatOfWhoStartsIt) {
+  const std::atomic<bool> stop = false;
+  const std::vector<char> mine(300'000'000, 'x');
+  EXPECT_LT(run_child("/bin/sleep", {"sleep", "0.4"}, 60, stop).peak_memory_mb, 100.0);
+  EXPECT_EQ(mine.back(), 'x');
+}
+
 TEST(ChildProcess, SignalsTimeoutsAndStopsAreTold) {
   std::atomic<bool> stop = false;
   EXPECT_EQ(run_child("/bin/sh", {"sh", "-c", "kill -9 $$"}, 60, stop).signal, 9);
