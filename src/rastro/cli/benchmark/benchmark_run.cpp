@@ -67,26 +67,39 @@ class Workers {
     }
   }
 
-  /// Runs it and keeps its result, unless it was stopped.
+  /// Runs it and keeps its result, unless it was stopped. A run that could not start counts as failed, but only in this
+  /// call: what it needs may be made the next time.
   void finish(const BenchmarkRun& run) {
-    const std::optional<BenchmarkResult> result = result_of(run);
+    const std::string missing_part = parts_.need(run);
+    std::optional<BenchmarkResult> result;
+    if (!is_over()) result = missing_part.empty() ? result_of(run) : failed_before(run, missing_part);
     parts_.release(run);
     if (!result) return;
-    write_whole_file(result_file(setup_, run), to_json(*result));
+    if (missing_part.empty()) write_whole_file(result_file(setup_, run), to_json(*result));
     const std::lock_guard lock(mutex_);
     results_.push_back(*result);
     if (tools_.progress) tools_.progress(*result, ++done_, static_cast<int>(missing_.size()));
   }
 
-  std::optional<BenchmarkResult> result_of(const BenchmarkRun& run) {
+  BenchmarkResult new_result(const BenchmarkRun& run) const {
     BenchmarkResult result;
     result.entry = run.entry, result.seed = run.seed;
     result.command = plan_.command_of(run), result.program = setup_.program;
     result.files = run.files;
     result.jobs = setup_.jobs, result.threads = setup_.threads;
-    result.failure = parts_.need(run);
-    if (is_over()) return std::nullopt;
-    if (!result.failure.empty()) return result;
+    return result;
+  }
+
+  BenchmarkResult failed_before(const BenchmarkRun& run, const std::string& failure) const {
+    std::error_code ignored;
+    fs::remove(result_file(setup_, run), ignored);
+    BenchmarkResult result = new_result(run);
+    result.failure = failure;
+    return result;
+  }
+
+  std::optional<BenchmarkResult> result_of(const BenchmarkRun& run) {
+    BenchmarkResult result = new_result(run);
     const fs::path folder = setup_.out / "runs" / run.id;
     const ChildEnd end = tools_.run(words_of(run, folder));
     if (end.stopped) return std::nullopt;

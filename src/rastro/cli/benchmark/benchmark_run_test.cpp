@@ -245,6 +245,22 @@ TEST(BenchmarkRun, FailuresAreResults) {
   EXPECT_THAT(results.front().failure, HasSubstr("cannot be judged: "));
 }
 
+TEST(BenchmarkRun, AWorldThatCouldNotBeMadeIsTriedAgain) {
+  FakeProgram program;
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  const BenchmarkSetup setup = setup_in("no_world_yet");
+  call(plan, setup, program);
+  fs::remove_all(setup.out / "worlds");
+  BenchmarkSetup forced = setup;
+  forced.force = true;
+  program.fails_at = "simulate", program.fails_with = 3;
+  EXPECT_EQ(call(plan, forced, program).results.size(), 2U) << "both count as failed";
+  program.fails_at = "";
+  const Called called = call(plan, setup, program);
+  EXPECT_EQ(called.resumed.missing.size(), 2U) << "neither that failure nor the result before it is left";
+  EXPECT_EQ(called.results.front().failure, "");
+}
+
 TEST(BenchmarkRun, RefusalOfDisturbedInputIsAWarning) {
   FakeProgram program;
   program.fails_at = "slam", program.fails_with = 2;
