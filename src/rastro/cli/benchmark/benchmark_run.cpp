@@ -191,6 +191,11 @@ ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetu
   return resumed;
 }
 
+void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
+  std::error_code ignored;
+  for (const BenchmarkRun& run : plan.runs) fs::remove(result_file(setup, run), ignored);
+}
+
 std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
                                          const BenchmarkSetup& setup, const BenchmarkTools& tools) {
   for (const char* folder : {"results", "runs"}) {

@@ -51,6 +51,9 @@ struct ResumedBenchmark {
 
 ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup);
 
+/// Removes the results of these runs: they are missing then.
+void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup);
+
 /// Runs what is missing and saves each result when it is there. Ends early where `stop` is set. Returns all results.
 std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
                                          const BenchmarkSetup& setup, const BenchmarkTools& tools);
