@@ -477,6 +477,12 @@ compare() {
   refused 'allows none of the methods' compare "$out/corridor" --paper --out "$out/paper"
   refused 'allows none of the methods' compare "$out/corridor" --methods lsd --out "$out/lsd"
   refused "did you mean 'hall'" compare hal --methods all --out "$out"
+  printf '%s\n' 'entries:' "  - {data: $hall, command: odometry, method: profiles, frames: \"0:5\"}" >"$here/list.yaml"
+  run 0 compare "$here/list.yaml" --dry-run --out "$out/listed"
+  said 'odometry'
+  refused '--methods: is not for a list' compare "$here/list.yaml" --methods orb --out "$out/listed"
+  refused '--seeds: is not for a list' compare "$here/list.yaml" --seeds 2 --out "$out/listed"
+  refused '--every: is not for a list' compare "$here/list.yaml" --every 2 --out "$out/listed"
 }
 
 interrupt() {

@@ -8,6 +8,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/compare/compare_flags.h"
 #include "rastro/cli/compare/compare_input.h"
 #include "rastro/cli/compare/compare_list.h"
 #include "rastro/cli/compare/compare_plan.h"
@@ -81,6 +82,28 @@ TEST(CompareInput, NamesAreUniqueAndUnknownOnesAreRefused) {
   EXPECT_EQ(inputs[1].name, "hall (2)");
   EXPECT_THAT(error_of([] { parse_compare_input("bedrom", {}); }), HasSubstr("did you mean 'bedroom'"));
   EXPECT_THAT(error_of([] { parse_compare_input("bedroom --seed 7", {}); }), HasSubstr("--seeds"));
+}
+
+TEST(CompareFlags, AListSaysWhichRunsThereAreAndHowLongTheyMayTake) {
+  const auto file = scratch_path("list.yaml");
+  write_whole_file(file, "timeout_s: 7\nkeep: no\nentries:\n  - {world: hall, method: orb}\n");
+  CompareFlags flags;
+  flags.inputs = {file.string()};
+  std::string warned;
+  set_log_sink([&](LogLevel, const std::string& line) { warned += line; });
+  const CompareTask task = task_of(flags, "");
+  set_log_sink({});
+  EXPECT_THAT(warned, HasSubstr("keep: no"));
+  EXPECT_EQ(session_of(flags, task).timeout_s, 7.0);
+  flags.timeout_s = 9.0;
+  EXPECT_EQ(session_of(flags, task).timeout_s, 9.0);
+  EXPECT_EQ(session_of(CompareFlags(), CompareTask()).timeout_s, SessionFlags().timeout_s);
+  flags.every = "2";
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--every: is not for a list"));
+  flags.frames = "0:5";
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--frames: is not for a list"));
+  flags.methods = {"orb"};
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--methods: is not for a list"));
 }
 
 TEST(MethodOffers, ANameStandsForEverySensor) {
