@@ -440,7 +440,9 @@ benchmark() {
   said 'worst m'
   run 0 benchmark "$list" --out "$out" --baseline "$here/baseline.json"
   said '2 of 2 runs have results'
-  said 'nothing is worse'
+  said '2 of 2 entries compared: nothing is worse'
+  printf '{"benchmark": 1, "entries": []}' >"$here/empty.json"
+  refused 'has none of the entries' benchmark "$list" --out "$out" --baseline "$here/empty.json"
   sed -i 's/"tracked_percent": .*/"tracked_percent": 300.0,/' "$here/baseline.json"
   run 1 benchmark "$list" --out "$out" --baseline "$here/baseline.json" --quiet
   said 'worse: hall odometry profiles: untracked'
