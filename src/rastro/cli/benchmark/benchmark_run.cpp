@@ -191,6 +191,14 @@ ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetu
   return resumed;
 }
 
+void make_result_folders(const fs::path& out) {
+  for (const char* folder : {"results", "runs"}) {
+    std::error_code error;
+    fs::create_directories(out / folder, error);
+    if (error) throw Error("cannot be created: " + error.message(), (out / folder).string(), "choose another --out");
+  }
+}
+
 void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
   std::error_code ignored;
   for (const BenchmarkRun& run : plan.runs) fs::remove(result_file(setup, run), ignored);
@@ -198,12 +206,7 @@ void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
 
 std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
                                          const BenchmarkSetup& setup, const BenchmarkTools& tools) {
-  for (const char* folder : {"results", "runs"}) {
-    std::error_code error;
-    fs::create_directories(setup.out / folder, error);
-    if (error)
-      throw Error("cannot be created: " + error.message(), (setup.out / folder).string(), "choose another --out");
-  }
+  make_result_folders(setup.out);
   return Workers(plan, resumed, setup, tools).run_all();
 }
 

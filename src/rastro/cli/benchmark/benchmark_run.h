@@ -4,9 +4,11 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "rastro/base/folder_lock.h"
 #include "rastro/cli/benchmark/benchmark_parts.h"
 #include "rastro/cli/benchmark/benchmark_plan.h"
 #include "rastro/cli/benchmark/benchmark_result.h"
@@ -16,12 +18,13 @@ namespace rastro::cli {
 /// Where and how the runs of a plan are run.
 struct BenchmarkSetup {
   std::filesystem::path out;
-  std::string program;     ///< Hash of the program.
-  int jobs = 1;            ///< Runs at the same time.
-  int threads = 0;         ///< Of each run; 0: all cores.
-  bool keep = true;        ///< Simulated recordings, maps and run folders.
-  bool force = false;      ///< Run what has a result, too.
-  double timeout_s = 0.0;  ///< What each run has; those that were stopped earlier than that run again.
+  std::string program;                     ///< Hash of the program.
+  int jobs = 1;                            ///< Runs at the same time.
+  int threads = 0;                         ///< Of each run; 0: all cores.
+  bool keep = true;                        ///< Simulated recordings, maps and run folders.
+  bool force = false;                      ///< Run what has a result, too.
+  double timeout_s = 0.0;                  ///< What each run has; those that were stopped earlier than that run again.
+  std::shared_ptr<const FolderLock> lock;  ///< Keeps other calls out of the folder; null: they are not kept out.
 };
 
 /// What a benchmark needs from outside; tests have their own.
@@ -50,6 +53,9 @@ struct ResumedBenchmark {
 };
 
 ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup);
+
+/// Below `out`. Error where they cannot be made.
+void make_result_folders(const std::filesystem::path& out);
 
 /// Removes the results of these runs: they are missing then.
 void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup);

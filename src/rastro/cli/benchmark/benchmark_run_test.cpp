@@ -10,6 +10,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/benchmark/benchmark_session.h"
 
 namespace rastro::cli {
 namespace {
@@ -279,6 +280,16 @@ TEST(BenchmarkRun, BrokenResultFilesAreRunAgain) {
   call(plan, setup, program);
   write_whole_file(setup.out / "results" / (plan.runs.front().id + ".json"), "{\"entry\": 3}");
   EXPECT_EQ(resume_benchmark(plan, setup).missing.size(), 1U);
+}
+
+TEST(BenchmarkSession, OneCallAtATimeHasTheFolder) {
+  const auto out = scratch_path("claimed");
+  {
+    const auto lock = claim_results(out);
+    EXPECT_TRUE(fs::is_directory(out / "results"));
+    EXPECT_THROW(claim_results(out), Error);
+  }
+  EXPECT_NO_THROW(claim_results(out));
 }
 
 TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
