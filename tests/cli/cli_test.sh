@@ -440,7 +440,9 @@ benchmark() {
   said 'worst m'
   run 0 benchmark "$list" --out "$out" --baseline "$here/baseline.json"
   said '2 of 2 runs have results'
-  said 'nothing is worse'
+  said '2 of 2 entries compared: nothing is worse'
+  printf '{"benchmark": 1, "entries": []}' >"$here/empty.json"
+  refused 'has none of the entries' benchmark "$list" --out "$out" --baseline "$here/empty.json"
   sed -i 's/"tracked_percent": .*/"tracked_percent": 300.0,/' "$here/baseline.json"
   run 1 benchmark "$list" --out "$out" --baseline "$here/baseline.json" --quiet
   said 'worse: hall odometry profiles: untracked'
@@ -477,6 +479,12 @@ compare() {
   refused 'allows none of the methods' compare "$out/corridor" --paper --out "$out/paper"
   refused 'allows none of the methods' compare "$out/corridor" --methods lsd --out "$out/lsd"
   refused "did you mean 'hall'" compare hal --methods all --out "$out"
+  printf '%s\n' 'entries:' "  - {data: $hall, command: odometry, method: profiles, frames: \"0:5\"}" >"$here/list.yaml"
+  run 0 compare "$here/list.yaml" --dry-run --out "$out/listed"
+  said 'odometry'
+  refused '--methods: is not for a list' compare "$here/list.yaml" --methods orb --out "$out/listed"
+  refused '--seeds: is not for a list' compare "$here/list.yaml" --seeds 2 --out "$out/listed"
+  refused '--every: is not for a list' compare "$here/list.yaml" --every 2 --out "$out/listed"
 }
 
 interrupt() {

@@ -31,7 +31,8 @@ struct BenchmarkFlags {
 constexpr const char* benchmark_footer = R"(
 FILE is a YAML list of recordings or worlds, methods, settings and disturbances; docs/how-to/benchmark.md describes it, bench/lists has
 some. Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
-where it was. Results of another program, or of a list that says otherwise now, are run again.
+where it was. Results of another program, of a list that says otherwise now, of other --jobs or --threads, or of files that changed
+since are run again.
 
 Columns, per entry over its seeds:
   runs               with a result, of those in the list if some are missing
@@ -46,7 +47,7 @@ Columns, per entry over its seeds:
   ms/frame, CPU ms   time of the whole process per frame, medians; CPU: over all threads
   MB                 largest resident memory
   (value)            that of --baseline where it differs
-Exit code 1: an entry is worse than the baseline beyond the tolerance.
+Exit code 1: an entry is worse than the baseline beyond the tolerance, or none could be compared.
 )";
 
 std::string disturbances_text() {
@@ -87,8 +88,23 @@ int report(const BenchmarkFlags& flags, const BenchmarkList& list, const std::ve
   if (flags.baseline.empty()) return done;
   const std::vector<std::string> worse = worse_than(rows, baseline, list.tolerance);
   for (const std::string& line : worse) fmt::print("worse: {}\n", line);
-  if (worse.empty()) fmt::print("nothing is worse than {}\n", flags.baseline);
-  return worse.empty() ? done : limit_missed;
+  const int compared = compared_with(rows, baseline);
+  if (worse.empty())
+    fmt::print("{} of {} entries compared{} {}\n", compared, rows.size(),
+               compared > 0 ? ": nothing is worse than" : " with", flags.baseline);
+  return worse.empty() && compared > 0 ? done : limit_missed;
+}
+
+/// Before hours of runs.
+BenchmarkRows baseline_for(const BenchmarkList& list, const std::string& file) {
+  BenchmarkRows baseline = read_benchmark_rows(file);
+  const auto is_known = [&](const BenchmarkEntry& entry) {
+    return std::any_of(baseline.begin(), baseline.end(),
+                       [&](const BenchmarkRow& row) { return row.name == entry.name; });
+  };
+  if (std::none_of(list.entries.begin(), list.entries.end(), is_known))
+    throw Error("has none of the entries that are run", file, "give the table of the same list, or omit --baseline");
+  return baseline;
 }
 
 int benchmark(const BenchmarkFlags& flags) {
@@ -98,7 +114,7 @@ int benchmark(const BenchmarkFlags& flags) {
     print_plan(plan);
     return done;
   }
-  const BenchmarkRows baseline = flags.baseline.empty() ? BenchmarkRows() : read_benchmark_rows(flags.baseline);
+  const BenchmarkRows baseline = flags.baseline.empty() ? BenchmarkRows() : baseline_for(list, flags.baseline);
   const BenchmarkSetup setup = benchmark_setup({.out = flags.out,
                                                 .jobs = flags.jobs,
                                                 .threads = flags.threads,

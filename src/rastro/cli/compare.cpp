@@ -11,6 +11,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/compare/compare_flags.h"
 #include "rastro/cli/compare/compare_session.h"
 #include "rastro/cli/compare/imports.h"
 #include "rastro/cli/compare/map_figures.h"
@@ -29,9 +30,10 @@ namespace {
 
 constexpr const char* compare_footer = R"(
 INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
-of a recording for every run on it. Methods run with every sensor that they can use: a recording with depth also as one of one camera
-('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth images, as if the camera were level ('hector scan').
-A list of 'rastro benchmark' says itself which methods run on what.
+of a recording for every run on it. The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor
+that they can use: a recording with depth also as one of one camera ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth
+images, as if the camera were level ('hector scan').
+A list of 'rastro benchmark' says itself which methods run on what: flags that say so are refused beside it.
 --methods takes NAME, odometry/NAME, and NAME:SENSOR, such as orb:stereo.
 
 --import adds the trajectory of another program (TUM, KITTI or EuRoC format), scored as ours: aligned by se3, or sim3 for one camera;
@@ -42,8 +44,9 @@ share of the input's frames with a pose; false are frames whose pose is more tha
 without, or its error doubles.
 
 Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
-where it was. Results of another program, or of other flags, are run again. --out gets report.html, a page that needs no network, report.md,
-report.tex (booktabs) and report.csv, a line for each value with its command, and maps/, a page with the map of each method in 3D.
+where it was. Results of another program, of other flags, or of files that changed since are run again. --out gets report.html, a page
+that needs no network, report.md, report.tex (booktabs) and report.csv, a line for each value with its command, and maps/, a page with the
+map of each method in 3D.
 
 Examples:
   rastro compare bedroom --methods all --out compared
@@ -62,57 +65,6 @@ std::string disturbances_text() {
     text += fmt::format("  {:<8} {}: {} ({})\n", ladder.name, ladder.title, fmt::join(strengths, ", "), ladder.unit);
   }
   return text;
-}
-
-struct CompareFlags {
-  std::vector<std::string> inputs, methods;
-  std::string data, frames, intrinsics, calibration, fov, rate, every;
-  std::uint64_t seeds = 1;
-  bool seeds_given = false;
-  int repeats = 1;
-  std::vector<std::string> disturbances, imports;
-  SessionFlags session;
-  bool paper = false, dry_run = false, quiet = false;
-};
-
-/// The flags that every run on a recording gets.
-std::vector<std::string> flags_of_recordings(const CompareFlags& flags) {
-  std::vector<std::string> words;
-  for (const auto& [flag, value] :
-       std::vector<std::pair<std::string, std::string>>{{"--intrinsics", flags.intrinsics},
-                                                        {"--calibration", flags.calibration},
-                                                        {"--fov", flags.fov},
-                                                        {"--rate", flags.rate},
-                                                        {"--every", flags.every}})
-    if (!value.empty()) words.insert(words.end(), {flag, value});
-  return words;
-}
-
-/// One list of 'rastro benchmark' in place of inputs and methods.
-bool is_list(const CompareFlags& flags) {
-  const std::string extension = std::filesystem::path(flags.inputs.front()).extension().string();
-  return flags.inputs.size() == 1 && (extension == ".yaml" || extension == ".yml");
-}
-
-CompareTask task_of(const CompareFlags& flags, const std::string& data) {
-  constexpr std::uint64_t most_seeds = 1000;
-  if (flags.seeds < 1 || flags.seeds > most_seeds)
-    throw Error(fmt::format("{} is not a number of worlds", flags.seeds), "--seeds", "give 1 to 1000");
-  if (flags.repeats < 1 || flags.repeats > 1000)
-    throw Error(fmt::format("{} is not a number of repeats", flags.repeats), "--repeat", "give 1 to 1000");
-  CompareTask task;
-  task.repeats = flags.repeats;
-  task.quiet = flags.quiet;
-  if (is_list(flags)) {
-    task.list = read_benchmark_list(flags.inputs.front());
-    return task;
-  }
-  task.paper = flags.paper && flags.methods.empty();
-  if (!task.paper && flags.methods.empty())
-    throw Error("is required", "--methods", "give all, or names; 'rastro methods' lists them");
-  task.inputs = parse_compare_inputs(flags.inputs, {flags.frames, flags_of_recordings(flags), flags.seeds, data});
-  if (!task.paper) task.methods = methods_named(flags.methods);
-  return task;
 }
 
 /// As a benchmark, and the maps too.
@@ -155,6 +107,15 @@ CompareFlags with_paper_defaults(CompareFlags flags) {
   return flags;
 }
 
+/// Table I of the front-end paper; all else in the report is there without it.
+void add_front_end(const CompareSession& session, Comparison& comparison) {
+  try {
+    comparison.front_end = front_end_figures(comparison.inputs, session.recordings());
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "interrupted: the report lacks table I; the same command goes on\n");
+  }
+}
+
 int compare_until_interrupted(const CompareFlags& given) {
   const CompareFlags flags = given.paper ? with_paper_defaults(given) : given;
   if (flags.inputs.empty() && !flags.paper)
@@ -164,7 +125,7 @@ int compare_until_interrupted(const CompareFlags& given) {
   for (const std::string& text : flags.imports) imports.push_back(parse_import(text));
   const std::vector<StrengthLadder> ladders = ladders_named(flags.disturbances);
   const CompareTask task = task_of(flags, data);
-  const BenchmarkSetup setup = benchmark_setup(flags.session, true);
+  const BenchmarkSetup setup = benchmark_setup(session_of(flags, task), true);
   CompareSession session(task, setup, tools_of(setup, flags), data);
   if (flags.dry_run) {
     fmt::print("{}", session.plan_text());
@@ -177,7 +138,7 @@ int compare_until_interrupted(const CompareFlags& given) {
   Comparison comparison = session.comparison();
   comparison.strengths = strengths;
   comparison.paper = flags.paper;
-  if (flags.paper && complete) comparison.front_end = front_end_figures(comparison.inputs, session.recordings());
+  if (flags.paper && complete) add_front_end(session, comparison);
   add_imports(scored_imports, comparison);
   comparison.command = command_line();
   if (!complete) fmt::print(stderr, "{}; the same command goes on\n", interruption_text(comparison));
@@ -215,8 +176,9 @@ void add_run_flags(CLI::App& command, CompareFlags& flags) {
       ->type_name("N")
       ->group(group);
   command
-      .add_option("--timeout", flags.session.timeout_s,
-                  "A run that takes longer is stopped and fails; with more time it is run again (default: 3600)")
+      .add_option("--timeout", flags.timeout_s,
+                  "A run that takes longer is stopped and fails; with more time it is run again (default: that of the "
+                  "list, else 3600)")
       ->type_name("S")
       ->group(group);
   command.add_flag("--force", flags.session.force, "Run again what has a result")->group(group);
@@ -231,7 +193,7 @@ void add_input_flags(CLI::App& command, CompareFlags& flags) {
   command.add_option("--data", flags.data, "Folder of recordings (default: $RASTRO_DATA, else ../shared/data)")
       ->type_name("DIR")
       ->group(group);
-  command.add_option("--frames", flags.frames, "Frames A to B-1 only")->type_name("A:B")->group(group);
+  command.add_option("--frames", flags.frames, "Frames A to B-1 only, also of worlds")->type_name("A:B")->group(group);
   command.add_option("--every", flags.every, "Every N-th frame only")->type_name("N")->group(group);
   command.add_option("--rate", flags.rate, "Frame rate in Hz for data without timestamps")
       ->type_name("HZ")

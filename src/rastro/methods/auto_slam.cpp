@@ -112,6 +112,7 @@ class AutoSlamMethod : public SlamMethod {
                {}});
     return table;
   }
+  bool wants_color() const override { return true; }  // rgbd may be the choice, and its map is in color
   bool wants_depth() const override { return true; }
   bool wants_right() const override { return true; }
   std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {

@@ -168,6 +168,17 @@ TEST(AutoSlam, AMethodWithoutAPoseGivesWayToTheNext) {
   EXPECT_THAT(methods_in_use("rgbd", 6, 9.0), ::testing::EndsWith("help, fusion: rgbd gave no pose for 2.0 s"));
 }
 
+TEST(AutoSlam, WantsWhateverItsMethodsWant) {
+  const auto chooses = auto_slam_method(slam_method);
+  for (const SourceInfo& source : {camera_source(true, false), camera_source(false, true), calibrated_pair()})
+    for (const MethodChoice& choice : slam_choices(source, 1.0, 0.0)) {
+      const auto method = slam_method(choice.method);
+      EXPECT_TRUE(chooses->wants_color() || !method->wants_color()) << choice.method;
+      EXPECT_TRUE(chooses->wants_depth() || !method->wants_depth()) << choice.method;
+      EXPECT_TRUE(chooses->wants_right() || !method->wants_right()) << choice.method;
+    }
+}
+
 TEST(AutoSlam, TheSeedIsThatOfTheMethodInUse) {
   std::uint64_t made_with = 0;
   const auto method =

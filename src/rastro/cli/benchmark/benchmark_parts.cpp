@@ -67,7 +67,7 @@ std::string BenchmarkParts::need(const std::string& folder) {
 
 std::string BenchmarkParts::mark_of(const BenchmarkPart& part) const {
   const bool is_map = part.words.front() != "simulate";
-  return fmt::format("{}{}\n", fmt::join(part.words, " "), is_map ? "; program " + program_ : "");
+  return fmt::format("{}{}{}\n", fmt::join(part.words, " "), part.files, is_map ? "; program " + program_ : "");
 }
 
 std::string BenchmarkParts::make(const BenchmarkPart& part) {

@@ -23,7 +23,7 @@ std::string failure_of(const ChildEnd& end);
 /// unless kept. May be used by several threads.
 class BenchmarkParts {
  public:
-  /// `runs`: those that will be run. `program`: maps of another program are made anew.
+  /// `runs`: those that will be run. `program`: maps of another program are made anew, as is what changed files made.
   BenchmarkParts(const BenchmarkPlan& plan, const std::vector<const BenchmarkRun*>& runs, std::filesystem::path out,
                  std::string program, bool keep, RunProgram run_program);
 

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/hash.h"
+#include "rastro/cli/benchmark/file_states.h"
 
 namespace rastro::cli {
 namespace {
@@ -77,7 +79,23 @@ class Planner {
       append(run.words, {"--method", entry.method.method});
     append_settings(entry.method, entry.input.as_scan ? "" : entry.input.frames, run.words);
     append_each(run.words, "--disturb", entry.disturbances);
+    run.files = files_of(run);
     return run;
+  }
+
+  void add_part(BenchmarkPart part) {
+    part.files = states_.of(part.words);
+    if (!part.needs.empty()) part.files += plan_.parts.at(part.needs).files;
+    plan_.parts.emplace(part.folder, std::move(part));
+  }
+
+  std::string files_of(const BenchmarkRun& run) {
+    std::vector<std::string> words = run.words;
+    append(words, {run.judgment.ground_truth, run.judgment.map_ground_truth});
+    std::string files = states_.of(words);
+    for (const std::string& part : {run.recording, run.map})
+      if (!part.empty()) files += plan_.parts.at(part).files;
+    return files;
   }
 
   void append_settings(const BenchmarkMethod& method, const std::string& frames, std::vector<std::string>& words) {
@@ -100,7 +118,7 @@ class Planner {
     run.map = part.folder;
     run.judgment.map_ground_truth = input.ground_truth;
     append(run.words, {"--map", below_out + part.folder});
-    plan_.parts.emplace(part.folder, part);
+    add_part(part);
   }
 
   PlannedInput input_of(const BenchmarkInput& input, std::uint64_t seed) {
@@ -112,7 +130,7 @@ class Planner {
     part.words = {"simulate", input.world, "--seed", std::to_string(seed)};
     append(part.words, input.simulate);
     part.folder = "worlds/" + as_file_name(fmt::format("{}", fmt::join(part.words.begin() + 1, part.words.end(), " ")));
-    plan_.parts.emplace(part.folder, part);
+    add_part(part);
     const std::string path = below_out + part.folder;
     return {path, part.folder, path};
   }
@@ -126,7 +144,7 @@ class Planner {
     append(part.words, entry.input.camera_flags);
     part.needs = camera.part;
     part.folder = "scans/" + as_file_name(fmt::format("{}", fmt::join(part.words, " "))) + ".log";
-    plan_.parts.emplace(part.folder, part);
+    add_part(part);
     return {below_out + part.folder, part.folder, camera.ground_truth};
   }
 
@@ -140,6 +158,7 @@ class Planner {
   }
 
   fs::path data_folder_;
+  FileStates states_;
   BenchmarkPlan plan_;
 };
 

@@ -21,6 +21,7 @@ struct BenchmarkPart {
   std::string folder;              ///< Below the output folder.
   std::vector<std::string> words;  ///< Command of the program, without --out.
   std::string needs;               ///< Folder of a part that must be made before; empty: none.
+  std::string files;               ///< State of the files that it is made of, see FileStates.
 };
 
 /// How the poses of a run are judged.
@@ -41,6 +42,7 @@ struct BenchmarkRun {
   std::uint64_t seed = 0;          ///< Of the world; 0 for a recording.
   std::vector<std::string> words;  ///< Command of the program, without --out.
   std::string recording, map;      ///< Folders of the parts that it needs; empty: none.
+  std::string files;               ///< State of what it, its parts and its judge read, see FileStates.
   bool may_refuse = false;         ///< The input is wrong or the place is not in the map: refusing it is an answer.
   BenchmarkJudgment judgment;
 };
@@ -49,7 +51,8 @@ struct BenchmarkPlan {
   std::vector<BenchmarkRun> runs;  ///< Those of one recording follow each other.
   std::map<std::string, BenchmarkPart> parts;
 
-  /// Everything that decides the result of a run but the program itself: its commands and how it is judged.
+  /// Everything that decides the result of a run but the program itself and the files that it reads: its commands and
+  /// how it is judged.
   std::string command_of(const BenchmarkRun& run) const;
 };
 

@@ -32,6 +32,8 @@ BenchmarkResult from_json(const Json& json) {
   result.seed = json.at("seed").get<std::uint64_t>();
   result.command = json.at("command").get<std::string>();
   result.program = json.at("program").get<std::string>();
+  result.files = json.value("files", std::string());
+  result.jobs = json.value("jobs", 0), result.threads = json.value("threads", 0);
   result.failure = json.at("failure").get<std::string>();
   result.message = json.at("message").get<std::string>();
   RunScores& scores = result.scores;
@@ -63,6 +65,9 @@ std::string to_json(const BenchmarkResult& result) {
             {"seed", result.seed},
             {"command", result.command},
             {"program", result.program},
+            {"files", result.files},
+            {"jobs", result.jobs},
+            {"threads", result.threads},
             {"failure", result.failure},
             {"message", result.message},
             {"frames", scores.frames},

@@ -31,8 +31,11 @@ struct RunScores {
 struct BenchmarkResult {
   std::string entry;
   std::uint64_t seed = 0;
-  std::string command;     ///< See BenchmarkPlan::command_of().
-  std::string program;     ///< Hash of the program that ran.
+  std::string command;  ///< See BenchmarkPlan::command_of().
+  std::string program;  ///< Hash of the program that ran.
+  std::string files;    ///< BenchmarkRun::files, before the run.
+  int jobs = 0;         ///< Runs at the same time, and threads of each: they decide its times. 0: unknown; all cores.
+  int threads = 0;
   std::string failure;     ///< Why there is no result; empty: there is one, or the program rightly refused wrong input.
   std::string message;     ///< Last line of the program on standard error.
   bool timed_out = false;  ///< Stopped after wall_s.

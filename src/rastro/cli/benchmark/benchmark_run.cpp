@@ -67,24 +67,39 @@ class Workers {
     }
   }
 
-  /// Runs it and keeps its result, unless it was stopped.
+  /// Runs it and keeps its result, unless it was stopped. A run that could not start counts as failed, but only in this
+  /// call: what it needs may be made the next time.
   void finish(const BenchmarkRun& run) {
-    const std::optional<BenchmarkResult> result = result_of(run);
+    const std::string missing_part = parts_.need(run);
+    std::optional<BenchmarkResult> result;
+    if (!is_over()) result = missing_part.empty() ? result_of(run) : failed_before(run, missing_part);
     parts_.release(run);
     if (!result) return;
-    write_whole_file(result_file(setup_, run), to_json(*result));
+    if (missing_part.empty()) write_whole_file(result_file(setup_, run), to_json(*result));
     const std::lock_guard lock(mutex_);
     results_.push_back(*result);
     if (tools_.progress) tools_.progress(*result, ++done_, static_cast<int>(missing_.size()));
   }
 
-  std::optional<BenchmarkResult> result_of(const BenchmarkRun& run) {
+  BenchmarkResult new_result(const BenchmarkRun& run) const {
     BenchmarkResult result;
     result.entry = run.entry, result.seed = run.seed;
     result.command = plan_.command_of(run), result.program = setup_.program;
-    result.failure = parts_.need(run);
-    if (is_over()) return std::nullopt;
-    if (!result.failure.empty()) return result;
+    result.files = run.files;
+    result.jobs = setup_.jobs, result.threads = setup_.threads;
+    return result;
+  }
+
+  BenchmarkResult failed_before(const BenchmarkRun& run, const std::string& failure) const {
+    std::error_code ignored;
+    fs::remove(result_file(setup_, run), ignored);
+    BenchmarkResult result = new_result(run);
+    result.failure = failure;
+    return result;
+  }
+
+  std::optional<BenchmarkResult> result_of(const BenchmarkRun& run) {
+    BenchmarkResult result = new_result(run);
     const fs::path folder = setup_.out / "runs" / run.id;
     const ChildEnd end = tools_.run(words_of(run, folder));
     if (end.stopped) return std::nullopt;
@@ -135,6 +150,20 @@ class Workers {
   int done_ = 0;
 };
 
+using Count = int ResumedBenchmark::*;
+
+/// Where a run counts that has a former result but is run again; null: the result holds.
+Count reason_to_run(const BenchmarkPlan& plan, const BenchmarkRun& run, const BenchmarkSetup& setup,
+                    const BenchmarkResult& former) {
+  constexpr double most_of_a_wait = 1.1;  // until a run is stopped, it takes somewhat longer than its limit
+  if (former.command != plan.command_of(run)) return &ResumedBenchmark::other_command;
+  if (former.program != setup.program) return &ResumedBenchmark::other_program;
+  if (former.files != run.files) return &ResumedBenchmark::other_files;
+  if (former.jobs != setup.jobs || former.threads != setup.threads) return &ResumedBenchmark::other_load;
+  if (former.timed_out && setup.timeout_s > most_of_a_wait * former.wall_s) return &ResumedBenchmark::more_time;
+  return nullptr;
+}
+
 }  // namespace
 
 std::string ResumedBenchmark::text() const {
@@ -142,37 +171,42 @@ std::string ResumedBenchmark::text() const {
   if (other_command > 0) text += fmt::format("; {} run again: the list changed", other_command);
   if (more_time > 0) text += fmt::format("; {} run again: they have more time now", more_time);
   if (other_program > 0) text += fmt::format("; {} run again: the program changed", other_program);
+  if (other_files > 0) text += fmt::format("; {} run again: files that they read changed", other_files);
+  if (other_load > 0) text += fmt::format("; {} run again: with other --jobs or --threads", other_load);
   return text;
 }
 
 ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
-  constexpr double most_of_a_wait = 1.1;  // until a run is stopped, it takes somewhat longer than its limit
   ResumedBenchmark resumed;
   for (const BenchmarkRun& run : plan.runs) {
     const auto former = setup.force ? std::nullopt : read_benchmark_result(result_file(setup, run));
-    const bool same_command = former && former->command == plan.command_of(run);
-    const bool same_program = former && former->program == setup.program;
-    const bool has_more_time = former && former->timed_out && setup.timeout_s > most_of_a_wait * former->wall_s;
-    if (same_command && same_program && !has_more_time) {
+    const Count reason = former ? reason_to_run(plan, run, setup, *former) : nullptr;
+    if (former && reason == nullptr) {
       resumed.results.push_back(*former);
       continue;
     }
     resumed.missing.push_back(&run);
-    if (former && !same_command) ++resumed.other_command;
-    if (same_command && !same_program) ++resumed.other_program;
-    if (same_command && same_program && has_more_time) ++resumed.more_time;
+    if (reason != nullptr) ++(resumed.*reason);
   }
   return resumed;
 }
 
-std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
-                                         const BenchmarkSetup& setup, const BenchmarkTools& tools) {
+void make_result_folders(const fs::path& out) {
   for (const char* folder : {"results", "runs"}) {
     std::error_code error;
-    fs::create_directories(setup.out / folder, error);
-    if (error)
-      throw Error("cannot be created: " + error.message(), (setup.out / folder).string(), "choose another --out");
+    fs::create_directories(out / folder, error);
+    if (error) throw Error("cannot be created: " + error.message(), (out / folder).string(), "choose another --out");
   }
+}
+
+void forget_results(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
+  std::error_code ignored;
+  for (const BenchmarkRun& run : plan.runs) fs::remove(result_file(setup, run), ignored);
+}
+
+std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
+                                         const BenchmarkSetup& setup, const BenchmarkTools& tools) {
+  make_result_folders(setup.out);
   return Workers(plan, resumed, setup, tools).run_all();
 }
 

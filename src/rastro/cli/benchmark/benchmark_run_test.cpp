@@ -10,6 +10,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/benchmark/benchmark_session.h"
 
 namespace rastro::cli {
 namespace {
@@ -170,6 +171,42 @@ TEST(BenchmarkRun, AnotherProgramOrListRunsAgainAndSaysSo) {
   EXPECT_EQ(resume_benchmark(limit, setup).other_command, 2) << "it is judged otherwise";
 }
 
+TEST(BenchmarkRun, ChangedFilesRunAgainAndSaySo) {
+  const auto recording = scratch_folder("recording"), camera = scratch_path("camera.yaml");
+  write_whole_file(recording / "info.txt", "1");
+  write_whole_file(camera, "fx: 1\n");
+  const std::string list = "entries:\n  - {data: " + recording.string() + ", method: orb, flags: --calibration " +
+                           camera.string() + ", map: {frames: \"0:4\"}}\n";
+  const BenchmarkSetup setup = setup_in("changed_files");
+  FakeProgram program;
+  call(plan_of(list), setup, program);
+  fs::create_directories(recording / "run");
+  write_whole_file(recording / "run/about.json", "{}");
+  EXPECT_EQ(resume_benchmark(plan_of(list), setup).text(), "1 of 1 runs have results") << "a run kept with it";
+  write_whole_file(camera, "fx: 20\n");
+  const BenchmarkPlan calibrated = plan_of(list);
+  EXPECT_EQ(resume_benchmark(calibrated, setup).text(),
+            "0 of 1 runs have results; 1 run again: files that they read changed");
+  call(calibrated, setup, program);
+  EXPECT_EQ(program.count_of("slam"), 2) << "its map too";
+  write_whole_file(recording / "info.txt", "22");
+  EXPECT_EQ(resume_benchmark(plan_of(list), setup).other_files, 1);
+}
+
+TEST(BenchmarkRun, OtherThreadsOrJobsRunAgainAndSaySo) {
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  BenchmarkSetup setup = setup_in("threads");
+  FakeProgram program;
+  call(plan, setup, program);
+  fs::last_write_time(setup.out / plan.runs.front().recording, fs::file_time_type::clock::now());
+  EXPECT_TRUE(resume_benchmark(plan_of(two_seeds), setup).missing.empty()) << "worlds are made by the benchmark itself";
+  setup.threads = 2;
+  EXPECT_EQ(resume_benchmark(plan, setup).text(),
+            "0 of 2 runs have results; 2 run again: with other --jobs or --threads");
+  setup.threads = 0, setup.jobs = 2;
+  EXPECT_EQ(resume_benchmark(plan, setup).other_load, 2);
+}
+
 TEST(BenchmarkRun, WithoutKeepNothingButResultsIsLeft) {
   BenchmarkSetup setup = setup_in("keep_no");
   setup.keep = false;
@@ -209,6 +246,22 @@ TEST(BenchmarkRun, FailuresAreResults) {
   EXPECT_THAT(results.front().failure, HasSubstr("cannot be judged: "));
 }
 
+TEST(BenchmarkRun, AWorldThatCouldNotBeMadeIsTriedAgain) {
+  FakeProgram program;
+  const BenchmarkPlan plan = plan_of(two_seeds);
+  const BenchmarkSetup setup = setup_in("no_world_yet");
+  call(plan, setup, program);
+  fs::remove_all(setup.out / "worlds");
+  BenchmarkSetup forced = setup;
+  forced.force = true;
+  program.fails_at = "simulate", program.fails_with = 3;
+  EXPECT_EQ(call(plan, forced, program).results.size(), 2U) << "both count as failed";
+  program.fails_at = "";
+  const Called called = call(plan, setup, program);
+  EXPECT_EQ(called.resumed.missing.size(), 2U) << "neither that failure nor the result before it is left";
+  EXPECT_EQ(called.results.front().failure, "");
+}
+
 TEST(BenchmarkRun, RefusalOfDisturbedInputIsAWarning) {
   FakeProgram program;
   program.fails_at = "slam", program.fails_with = 2;
@@ -229,6 +282,16 @@ TEST(BenchmarkRun, BrokenResultFilesAreRunAgain) {
   EXPECT_EQ(resume_benchmark(plan, setup).missing.size(), 1U);
 }
 
+TEST(BenchmarkSession, OneCallAtATimeHasTheFolder) {
+  const auto out = scratch_path("claimed");
+  {
+    const auto lock = claim_results(out);
+    EXPECT_TRUE(fs::is_directory(out / "results"));
+    EXPECT_THROW(claim_results(out), Error);
+  }
+  EXPECT_NO_THROW(claim_results(out));
+}
+
 TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
   const std::atomic<bool> stop = false;
   const ChildEnd end =
@@ -239,6 +302,13 @@ TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
   EXPECT_GT(end.peak_memory_mb, 0.1);
   EXPECT_GT(end.wall_s, 0.0);
   EXPECT_EQ(failure_of(end), "exit code 2: rastro: last");
+}
+
+TEST(ChildProcess, HasItsOwnMemoryNotThatOfWhoStartsIt) {
+  const std::atomic<bool> stop = false;
+  const std::vector<char> mine(300'000'000, 'x');
+  EXPECT_LT(run_child("/bin/sleep", {"sleep", "0.4"}, 60, stop).peak_memory_mb, 100.0);
+  EXPECT_EQ(mine.back(), 'x');
 }
 
 TEST(ChildProcess, SignalsTimeoutsAndStopsAreTold) {

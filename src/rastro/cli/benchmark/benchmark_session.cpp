@@ -42,6 +42,11 @@ void show(const BenchmarkResult& result, int done, int count) {
 
 }  // namespace
 
+std::shared_ptr<const FolderLock> claim_results(const std::filesystem::path& out) {
+  make_result_folders(out);
+  return std::make_shared<const FolderLock>(out);
+}
+
 BenchmarkSetup benchmark_setup(const SessionFlags& flags, bool keep) {
   constexpr double most_s = 1e7;
   if (flags.jobs < 1 || flags.jobs > 256)
@@ -57,6 +62,7 @@ BenchmarkSetup benchmark_setup(const SessionFlags& flags, bool keep) {
   BenchmarkSetup setup;
   setup.timeout_s = flags.timeout_s;
   setup.out = flags.out;
+  setup.lock = claim_results(setup.out);
   setup.program = hash_of_program();
   setup.jobs = flags.jobs;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

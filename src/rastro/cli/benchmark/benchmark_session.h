@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <string>
 
 #include "rastro/cli/benchmark/benchmark_run.h"
@@ -16,7 +18,11 @@ struct SessionFlags {
   double timeout_s = 3600.0;
 };
 
-/// Checks the flags. Hashes the program: its results are those of this very program.
+/// Makes the folder and keeps other calls out of it, whose worlds and maps would take the place of ours while runs read
+/// them. Error where another one has it.
+std::shared_ptr<const FolderLock> claim_results(const std::filesystem::path& out);
+
+/// Checks the flags and claims the folder. Hashes the program: its results are those of this very program.
 BenchmarkSetup benchmark_setup(const SessionFlags& flags, bool keep);
 
 /// Runs this program, judges by score_run() and stops at Ctrl-C. A line on standard error after each run unless quiet.

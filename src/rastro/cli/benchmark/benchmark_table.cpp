@@ -127,6 +127,11 @@ const BenchmarkRow* find_row(const BenchmarkRows& rows, const std::string& name)
   return found == rows.end() ? nullptr : &*found;
 }
 
+/// What the row is compared with; null: nothing, as of a row that is not complete.
+const BenchmarkRow* former_of(const BenchmarkRow& row, const BenchmarkRows& baseline) {
+  return row.runs < row.planned ? nullptr : find_row(baseline, row.name);
+}
+
 std::string meters(const std::optional<double>& value) { return value ? fmt::format("{:.4f}", *value) : "-"; }
 std::string milliseconds(double value) { return fmt::format("{:.1f}", value); }
 
@@ -268,13 +273,18 @@ std::vector<std::string> worse_than(const BenchmarkRows& rows, const BenchmarkRo
                                     const BenchmarkTolerance& tolerance) {
   std::vector<std::string> lines;
   for (const BenchmarkRow& row : rows) {
-    const BenchmarkRow* former = find_row(baseline, row.name);
-    if (former == nullptr || row.runs < row.planned) continue;
+    const BenchmarkRow* former = former_of(row, baseline);
+    if (former == nullptr) continue;
     Comparison comparison(row, *former);
     comparison.compare(tolerance);
     lines.insert(lines.end(), comparison.lines.begin(), comparison.lines.end());
   }
   return lines;
+}
+
+int compared_with(const BenchmarkRows& rows, const BenchmarkRows& baseline) {
+  const auto is_compared = [&](const BenchmarkRow& row) { return former_of(row, baseline) != nullptr; };
+  return static_cast<int>(std::count_if(rows.begin(), rows.end(), is_compared));
 }
 
 std::string warnings_text(const BenchmarkRows& rows) {

@@ -44,6 +44,9 @@ std::string table_text(const BenchmarkRows& rows, const BenchmarkRows& baseline)
 std::vector<std::string> worse_than(const BenchmarkRows& rows, const BenchmarkRows& baseline,
                                     const BenchmarkTolerance& tolerance);
 
+/// How many rows worse_than() compares: complete ones that the baseline has too.
+int compared_with(const BenchmarkRows& rows, const BenchmarkRows& baseline);
+
 /// How many runs with wrong input warned, and how many with right input; one line.
 std::string warnings_text(const BenchmarkRows& rows);
 

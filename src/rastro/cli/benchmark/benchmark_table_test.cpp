@@ -140,6 +140,15 @@ TEST(BenchmarkComparison, UnfinishedAndNewEntriesAreNotJudged) {
   EXPECT_THAT(worse_with([](BenchmarkRow& row) { row.name = "new", row.worst_ate_m = 9.0; }), IsEmpty());
 }
 
+TEST(BenchmarkTable, CountsWhatIsCompared) {
+  BenchmarkRow complete, partial, other;
+  complete.name = "complete", complete.runs = complete.planned = 2;
+  partial.name = "partial", partial.runs = 1, partial.planned = 2;
+  other.name = "other", other.runs = other.planned = 1;
+  EXPECT_EQ(compared_with({complete, partial, other}, {complete, partial}), 1);
+  EXPECT_EQ(compared_with({complete}, {other}), 0);
+}
+
 TEST(BenchmarkTable, ExpectationsOfLocalizationAreCounted) {
   const auto list = parse_benchmark_list(
       "entries:\n  - {name: here, data: a, method: orb, map: {}, expect: found}\n"

@@ -14,9 +14,9 @@ struct ChildEnd {
   bool timed_out = false;
   bool stopped = false;  ///< `stop` was set: what it left is not a result.
   double wall_s = 0.0;
-  double cpu_s = 0.0;  ///< Of all its threads.
-  double peak_memory_mb = 0.0;
-  std::string last_line;  ///< Of its standard error.
+  double cpu_s = 0.0;           ///< Of all its threads.
+  double peak_memory_mb = 0.0;  ///< Resident.
+  std::string last_line;        ///< Of its standard error.
 };
 
 /// Runs the file `program` with these words, the first of which is the name it goes by, without input and standard

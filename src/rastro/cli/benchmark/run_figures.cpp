@@ -13,6 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t fewest_poses = 3;  ///< Any two fit after an alignment, however wrong they are.
+
 /// Reference lengths per length of the estimate, over pairs [first, end).
 std::optional<double> scale_between(const TrajectoryScores& scores, const TrajectoryInput& reference, std::size_t first,
                                     std::size_t end) {
@@ -28,7 +30,6 @@ std::optional<double> scale_between(const TrajectoryScores& scores, const Trajec
 
 void add_scale_figures(const TrajectoryScores& scores, const TrajectoryInput& reference, bool claims_meters,
                        RunFigures& figures) {
-  constexpr std::size_t fewest_poses = 3;
   constexpr double shortest_path_m = 0.2;  // a camera at rest has no scale
   if (scores.reference_path_m < shortest_path_m) return;
   const std::size_t count = scores.pairs.size();
@@ -52,8 +53,9 @@ bool is_tracked(const RunFrame& frame) { return frame.tracked; }
 
 void add_trajectory_figures(const TrajectoryScores& scores, const TrajectoryInput& reference, bool claims_meters,
                             RunFigures& figures) {
-  if (scores.ate_m) figures["ate_m"] = scores.ate_m->rmse, figures["ate_max_m"] = scores.ate_m->max;
   figures["coverage_percent"] = scores.pairing.coverage_percent;
+  if (scores.pairs.size() < fewest_poses) return;
+  if (scores.ate_m) figures["ate_m"] = scores.ate_m->rmse, figures["ate_max_m"] = scores.ate_m->max;
   if (scores.drift_percent) figures["drift_percent"] = *scores.drift_percent;
   for (const RpeScores& rpe : scores.rpe) {
     if (rpe.delta.unit == RpeDelta::Unit::meters) continue;

@@ -17,7 +17,7 @@ using RunFigures = std::map<std::string, double>;
 /// After alignment: ate_m (rmse), ate_max_m, rpe_frame_m, rpe_frame_deg, rpe_second_m, rpe_second_deg (rmse),
 /// drift_percent, coverage_percent. Of lengths: scale_error_percent (only where `claims_meters`: lengths of the
 /// estimate over true ones, minus 1) and scale_drift_percent (scale of the second half of the poses over that of the
-/// first, minus 1).
+/// first, minus 1). Of fewer than three matched poses only coverage_percent: an alignment makes any two fit.
 void add_trajectory_figures(const TrajectoryScores& scores, const TrajectoryInput& reference, bool claims_meters,
                             RunFigures& figures);
 

@@ -40,6 +40,24 @@ TEST(RunFigures, StagesAreMeansOverAllFrames) {
   EXPECT_NEAR(figures.at("frames_per_second"), 50.0, 1e-9);
 }
 
+TEST(RunFigures, TwoPosesHaveNoError) {
+  Trajectory truth, estimate;
+  for (int k = 0; k < 10; ++k) truth.push_back({k * 100'000'000LL, SE3(SO3(), {0.1 * k, std::sin(0.2 * k), 0.0})});
+  const auto figures_of_poses = [&](int count) {
+    estimate.clear();
+    for (int k = 0; k < count; ++k) estimate.push_back({k * 100'000'000LL, SE3(SO3(), {9.0 * k, 0.0, 0.0})});
+    const TrajectoryInput reference = trajectory_input_from(truth, "truth");
+    RunFigures figures;
+    add_trajectory_figures(score_trajectory(reference, trajectory_input_from(estimate, "estimate"), {}), reference,
+                           false, figures);
+    return figures;
+  };
+  const RunFigures of_two = figures_of_poses(2);
+  EXPECT_EQ(of_two.size(), 1U);
+  EXPECT_TRUE(of_two.contains("coverage_percent"));
+  EXPECT_TRUE(figures_of_poses(3).contains("ate_m"));
+}
+
 /// Along a curve; the estimate is `first` times as large in the first half, `second` times in the second.
 TrajectoryScores scores_with(double first, double second, TrajectoryInput& reference) {
   Trajectory truth, estimate;

@@ -110,6 +110,7 @@ void judge_run(const fs::path& folder, const BenchmarkJudgment& judgment, const 
   judge_poses(both, found.reference_from_estimate, found.pairs, frames, judgment.false_pose_limit_m, scores);
   scores.alignment = name_of(found.alignment);
   add_trajectory_figures(found, both.reference.input, claims_meters(result), scores.figures);
+  if (static_cast<int>(found.pairs.size()) < fewest_pairs) return;
   const PoseConsistency consistency =
       consistency_of_run(folder.string(), both.reference, both.estimate, found.scale(), pair_within);
   if (consistency.position) scores.inside_position_percent = consistency.position->inside_percent;

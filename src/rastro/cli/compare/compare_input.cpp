@@ -10,6 +10,7 @@
 #include <set>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/common_flags.h"
 #include "rastro/cli/simulated_worlds.h"
@@ -26,10 +27,18 @@ bool is_world_name(const std::string& name) {
 }
 
 /// The recording as given, or below the folder of recordings; empty: neither is there.
-std::string found_recording(const std::string& name, const std::string& data_folder) {
+std::string found_path(const std::string& name, const std::string& data_folder) {
   std::error_code ignored;
   for (const fs::path& path : {fs::path(name), fs::path(data_folder) / name})
     if (fs::exists(path, ignored)) return fs::canonical(path).string();
+  return "";
+}
+
+/// Of what is not the name of a world: what such a world was simulated into often has its name.
+std::string found_recording(const std::string& name, const std::string& data_folder) {
+  std::string path = found_path(name, data_folder);
+  if (path.empty() || !is_world_name(name)) return path;
+  log_warning(fmt::format("{}: is taken as the world; for the recording of this name, give {}", name, path));
   return "";
 }
 
@@ -42,8 +51,14 @@ std::pair<std::string, std::vector<std::string>> name_and_flags(const std::strin
   return parts;
 }
 
-/// Takes `flag VALUE` out of the words; empty where it is not there.
+/// Takes `flag VALUE` or `flag=VALUE` out of the words; empty where it is not there.
 std::string taken_from(std::vector<std::string>& words, const std::string& flag) {
+  const auto is_joined = [&](const std::string& word) { return word.starts_with(flag + "="); };
+  if (const auto joined = std::find_if(words.begin(), words.end(), is_joined); joined != words.end()) {
+    const std::string value = joined->substr(flag.size() + 1);
+    words.erase(joined);
+    return value;
+  }
   const auto found = std::find(words.begin(), words.end(), flag);
   if (found == words.end() || found + 1 == words.end()) return "";
   const std::string value = *(found + 1);

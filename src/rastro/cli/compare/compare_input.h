@@ -32,8 +32,8 @@ struct CompareInput {
   bool is_special = false;  ///< Wrong on purpose, or localized in a map: no example of a use case.
 
   bool is_world() const { return !input.world.empty(); }
-  /// Of the recording, as --frames; empty: all. Worlds are simulated with their frames alone.
-  std::string frames() const { return is_world() ? "" : input.frames; }
+  /// That every run reads, as --frames; empty: all. Also of a world, whose own flags say how many are simulated.
+  const std::string& frames() const { return input.frames; }
 };
 
 /// What all inputs have in common.
@@ -45,7 +45,8 @@ struct InputDefaults {
 };
 
 /// One word of the command line: a recording or world, with flags behind it: "bedroom --frames 60" passes them to
-/// 'rastro simulate', "kitchen --intrinsics 585,585,320,240" to every run. Error for what is neither.
+/// 'rastro simulate', "kitchen --intrinsics 585,585,320,240" to every run. The bare name of a world is the world, also
+/// where a file or folder has that name. Error for what is neither.
 CompareInput parse_compare_input(const std::string& text, const InputDefaults& defaults);
 
 /// The same for several, with unique names.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 
 namespace rastro::cli {
 namespace {
@@ -32,10 +33,31 @@ std::string key_of(const BenchmarkEntry& entry) {
   return key;
 }
 
-MethodOffer offer_of(const BenchmarkEntry& entry) {
-  MethodOffer offer = methods_named({entry.method.command + "/" + entry.method.method}).front();
-  offer.sensor = entry.method.sensor;
-  if (!offer.sensor.empty()) offer.kind = offer.sensor == "rgbd" ? "depth" : offer.sensor;
+/// The first way to run it; one with a sensor where the method has a choice.
+MethodOffer first_offer(const BenchmarkMethod& method) {
+  return methods_named({method.command + "/" + method.method}).front();
+}
+
+/// That the entry says, in whatever way; empty: none, or the choice of the method.
+std::string said_sensor(const BenchmarkMethod& method) {
+  constexpr std::string_view setting = "sensor=";
+  std::string sensor = method.sensor;
+  for (const std::string& each : method.settings)
+    if (each.starts_with(setting)) sensor = each.substr(setting.size());
+  const auto flag = std::find(method.flags.begin(), method.flags.end(), "--sensor");
+  if (flag != method.flags.end() && flag + 1 != method.flags.end()) sensor = *(flag + 1);
+  return sensor == "auto" ? "" : sensor;
+}
+
+/// What a method that has the choice takes.
+std::string sensor_taken(const InputFacts& facts) {
+  if (facts.has_depth) return "rgbd";
+  return facts.has_right ? "stereo" : "mono";
+}
+
+MethodOffer offer_with(MethodOffer offer, const std::string& sensor) {
+  offer.sensor = sensor;
+  if (!sensor.empty()) offer.kind = sensor == "rgbd" ? "depth" : sensor;
   return offer;
 }
 
@@ -55,6 +77,17 @@ CompareInput input_of(const BenchmarkEntry& entry, std::string name) {
   return input;
 }
 
+/// Two alike on one input have the names of their entries.
+void name_columns(const BenchmarkList& list, std::vector<ListedCell>& cells) {
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    ListedCell& cell = cells[k];
+    cell.column = column_of(list.entries[k], cell.method);
+    const auto same = [&](const ListedCell& other) { return other.input == cell.input && other.column == cell.column; };
+    const auto end = cells.begin() + static_cast<std::ptrdiff_t>(k);
+    if (std::any_of(cells.begin(), end, same)) cell.column = list.entries[k].name;
+  }
+}
+
 }  // namespace
 
 ListedCells cells_of(const BenchmarkList& list) {
@@ -68,13 +101,20 @@ ListedCells cells_of(const BenchmarkList& list) {
       all.inputs.push_back(
           input_of(entry, count == 1 ? name_of(entry) : fmt::format("{} ({})", name_of(entry), count)));
     }
-    ListedCell cell{known->second, offer_of(entry), ""};
-    cell.column = column_of(entry, cell.method);
-    const auto same = [&](const ListedCell& other) { return other.input == cell.input && other.column == cell.column; };
-    if (std::any_of(all.cells.begin(), all.cells.end(), same)) cell.column = entry.name;
-    all.cells.push_back(std::move(cell));
+    all.cells.push_back({known->second, offer_with(first_offer(entry.method), said_sensor(entry.method)), ""});
   }
+  name_columns(list, all.cells);
   return all;
+}
+
+void choose_sensors(const BenchmarkList& list, const std::vector<CompareInput>& inputs, ListedCells& cells) {
+  for (std::size_t k = 0; k < list.entries.size(); ++k) {
+    ListedCell& cell = cells.cells[k];
+    const bool has_choice = !first_offer(list.entries[k].method).sensor.empty();
+    if (has_choice && cell.method.sensor.empty())
+      cell.method = offer_with(cell.method, sensor_taken(inputs[cell.input].facts));
+  }
+  name_columns(list, cells.cells);
 }
 
 void plan_list(const BenchmarkList& list, const ListedCells& cells, const std::vector<CompareInput>& inputs,

@@ -27,6 +27,10 @@ struct ListedCells {
 
 ListedCells cells_of(const BenchmarkList& list);
 
+/// Gives each cell without a sensor the one that its method takes on its input, and its column that name. `inputs`:
+/// those of the cells, with their facts.
+void choose_sensors(const BenchmarkList& list, const std::vector<CompareInput>& inputs, ListedCells& cells);
+
 /// Adds every entry: `repeats` as plan_methods(). The facts of the inputs are known.
 void plan_list(const BenchmarkList& list, const ListedCells& cells, const std::vector<CompareInput>& inputs,
                int repeats, ComparePlan& plan);

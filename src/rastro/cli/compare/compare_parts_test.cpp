@@ -6,7 +6,9 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/compare/compare_flags.h"
 #include "rastro/cli/compare/compare_input.h"
 #include "rastro/cli/compare/compare_list.h"
 #include "rastro/cli/compare/compare_plan.h"
@@ -55,11 +57,53 @@ TEST(CompareInput, FlagsOfARecordingAreForEveryRun) {
   EXPECT_THAT(input.seeds, IsEmpty());
 }
 
+TEST(CompareInput, AFolderNamedLikeAWorldDoesNotTakeItsPlace) {
+  const auto folder = scratch_folder("bedroom");
+  std::string warned;
+  set_log_sink([&](LogLevel, const std::string& line) { warned += line; });
+  const InputDefaults defaults{"", {}, 1, folder.parent_path().string()};
+  EXPECT_EQ(parse_compare_input("bedroom", defaults).input.world, "bedroom");
+  EXPECT_THAT(warned, HasSubstr("bedroom: is taken as the world"));
+  EXPECT_FALSE(parse_compare_input(folder.string(), defaults).is_world());
+  set_log_sink({});
+}
+
+TEST(CompareInput, FramesCountWhateverTheyAreOfAndHoweverTheyAreGiven) {
+  const auto folder = scratch_folder("recording");
+  const InputDefaults defaults{"0:50", {}, 1, ""};
+  const CompareInput input = parse_compare_input(folder.string() + " --frames=5:9 --fov 60", defaults);
+  EXPECT_EQ(input.frames(), "5:9");
+  EXPECT_THAT(input.flags, ElementsAre("--fov", "60"));
+  EXPECT_EQ(parse_compare_input("bedroom", defaults).frames(), "0:50") << "its runs get them too";
+}
+
 TEST(CompareInput, NamesAreUniqueAndUnknownOnesAreRefused) {
   const auto inputs = parse_compare_inputs({"hall", "hall --frames 5"}, {});
   EXPECT_EQ(inputs[1].name, "hall (2)");
   EXPECT_THAT(error_of([] { parse_compare_input("bedrom", {}); }), HasSubstr("did you mean 'bedroom'"));
   EXPECT_THAT(error_of([] { parse_compare_input("bedroom --seed 7", {}); }), HasSubstr("--seeds"));
+}
+
+TEST(CompareFlags, AListSaysWhichRunsThereAreAndHowLongTheyMayTake) {
+  const auto file = scratch_path("list.yaml");
+  write_whole_file(file, "timeout_s: 7\nkeep: no\nentries:\n  - {world: hall, method: orb}\n");
+  CompareFlags flags;
+  flags.inputs = {file.string()};
+  std::string warned;
+  set_log_sink([&](LogLevel, const std::string& line) { warned += line; });
+  const CompareTask task = task_of(flags, "");
+  set_log_sink({});
+  EXPECT_THAT(warned, HasSubstr("keep: no"));
+  EXPECT_EQ(session_of(flags, task).timeout_s, 7.0);
+  flags.timeout_s = 9.0;
+  EXPECT_EQ(session_of(flags, task).timeout_s, 9.0);
+  EXPECT_EQ(session_of(CompareFlags(), CompareTask()).timeout_s, SessionFlags().timeout_s);
+  flags.every = "2";
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--every: is not for a list"));
+  flags.frames = "0:5";
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--frames: is not for a list"));
+  flags.methods = {"orb"};
+  EXPECT_THAT(error_of([&] { task_of(flags, ""); }), HasSubstr("--methods: is not for a list"));
 }
 
 TEST(MethodOffers, ANameStandsForEverySensor) {
@@ -145,6 +189,28 @@ TEST(CompareList, EntriesThatReadTheSameAreOneInput) {
   ComparePlan plan;
   plan_list(list, cells, cells.inputs, 3, plan);
   EXPECT_EQ(plan.list.entries.size(), 5U * 4U);
+}
+
+TEST(CompareList, WithoutASensorTheMethodTakesWhatTheInputHas) {
+  const BenchmarkList list = parse_benchmark_list(
+      "entries:\n"
+      "  - {world: bedroom, method: [orb, fusion, rgbd]}\n"
+      "  - {world: bedroom, method: orb, sensor: mono}\n"
+      "  - {world: bedroom, method: lsd, settings: {sensor: mono}}\n"
+      "  - {world: loop, method: [orb, rtabmap]}\n",
+      "list.yaml");
+  ListedCells cells = cells_of(list);
+  ASSERT_EQ(cells.inputs.size(), 2U);
+  cells.inputs[0].facts.has_depth = cells.inputs[1].facts.has_right = true;
+  choose_sensors(list, cells.inputs, cells);
+  std::vector<std::string> columns, kinds;
+  for (const ListedCell& cell : cells.cells) columns.push_back(cell.column), kinds.push_back(cell.method.kind);
+  EXPECT_THAT(columns, ElementsAre("orb rgbd", "fusion rgbd", "rgbd", "orb mono", "lsd mono sensor=mono", "orb stereo",
+                                   "rtabmap stereo"));
+  EXPECT_THAT(kinds, ElementsAre("depth", "depth", "depth", "mono", "mono", "stereo", "stereo"));
+  ComparePlan plan;
+  plan_list(list, cells, cells.inputs, 1, plan);
+  EXPECT_EQ(plan.list.entries.front().method.sensor, "") << "it runs as the list says";
 }
 
 }  // namespace

@@ -183,6 +183,34 @@ TEST(UseCases, WhoClaimsEveryFrameAndIsFarOffSetsNoMark) {
   EXPECT_NEAR(mark_on(comparison.table, "room_1", {"good", "poor", "late"}).completion_percent, 90.0, 1e-9);
 }
 
+/// `good` claims no meters: its scale is fitted.
+Comparison good_up_to_scale() {
+  Comparison comparison = three_methods();
+  for (FinishedRun& run : comparison.runs)
+    if (run.what.column == "good") run.result.scores.alignment = "sim3";
+  return comparison;
+}
+
+TEST(PairedDifferences, WhatIsAlignedDifferentlyIsNotRanked) {
+  const Comparison comparison = good_up_to_scale();
+  const auto differences = paired_differences(traces_of(comparison), comparison.table.columns());
+  EXPECT_TRUE(between(differences, "good", "poor").differs_in_alignment);
+  EXPECT_FALSE(between(differences, "late", "poor").differs_in_alignment);
+  EXPECT_THAT(difference_rows({between(differences, "good", "poor")})[1].back(), "no ranking: aligned differently");
+}
+
+TEST(UseCases, MetersAreNotRankedWithAFittedScale) {
+  Comparison comparison = good_up_to_scale();
+  const Report report = report_of(comparison);
+  EXPECT_THAT(report.advice[0].text, HasSubstr("poor: of the 2 methods"));
+  EXPECT_THAT(report.advice[0].text, HasSubstr("as their error is after fitting the scale: good."));
+  EXPECT_THAT(summary_rows(comparison)[1], testing::Contains("poor"));
+  for (FinishedRun& run : comparison.runs) run.result.scores.alignment = "sim3";
+  const std::string all = report_of(comparison).advice[0].text;
+  EXPECT_THAT(all, HasSubstr("good: of the 3 methods"));
+  EXPECT_THAT(all, HasSubstr("It is up to scale: its error is after fitting the scale."));
+}
+
 TEST(UseCases, ACarIsKnownByItsSpeed) {
   Comparison comparison = three_methods();
   comparison.inputs[0].facts.has_depth = false;

@@ -55,7 +55,11 @@ InputFacts facts_of_recording(const std::string& path, OpenOptions options, cons
 }  // namespace
 
 CompareSession::CompareSession(CompareTask task, BenchmarkSetup setup, BenchmarkTools tools, std::string data_folder)
-    : task_(std::move(task)), setup_(std::move(setup)), tools_(std::move(tools)), data_folder_(std::move(data_folder)) {
+    : task_(std::move(task)),
+      setup_(std::move(setup)),
+      forced_(setup_.force),
+      tools_(std::move(tools)),
+      data_folder_(std::move(data_folder)) {
   if (task_.list)
     plan_listed();
   else
@@ -89,9 +93,10 @@ void CompareSession::plan_all_methods() {
 }
 
 void CompareSession::plan_listed() {
-  const ListedCells cells = cells_of(*task_.list);
+  ListedCells cells = cells_of(*task_.list);
   task_.inputs = cells.inputs;
   for (CompareInput& input : task_.inputs) look_at(input);
+  choose_sensors(*task_.list, task_.inputs, cells);
   offered_.resize(task_.inputs.size());
   for (const ListedCell& cell : cells.cells) {
     column_kinds_[cell.column] = cell.method.kind;
@@ -127,6 +132,10 @@ std::vector<std::string> CompareSession::columns() const {
 
 void CompareSession::add_disturbed(std::size_t input, const MethodOffer& method, const std::string& disturbance) {
   plan_disturbed(input, method.name(), disturbance, plan_);
+  if (!forced_) return;
+  BenchmarkList added;
+  added.entries = {plan_.list.entries.back()};
+  forget_results(plan_benchmark(added, data_folder_), setup_);
 }
 
 bool CompareSession::run() {
@@ -134,7 +143,7 @@ bool CompareSession::run() {
   const ResumedBenchmark resumed = resume_benchmark(plan, setup_);
   if (!task_.quiet) fmt::print(stderr, "{}\n", resumed.text());
   results_ = run_missing(plan, resumed, setup_, tools_);
-  setup_.force = false;  // later calls go on with these
+  setup_.force = false;  // later calls go on with these, but for what is added
   return results_.size() == plan.runs.size();
 }
 

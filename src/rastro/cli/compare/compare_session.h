@@ -57,6 +57,7 @@ class CompareSession {
 
   CompareTask task_;
   BenchmarkSetup setup_;
+  bool forced_ = false;  ///< Former results do not count, not even of runs that are added later.
   BenchmarkTools tools_;
   std::string data_folder_;
   std::vector<std::vector<MethodOffer>> offered_;

@@ -24,6 +24,7 @@ double mean_of(const std::vector<double>& values) {
 struct Pairs {
   std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>> log_ratios;  ///< By input and seed.
   std::vector<double> first_completions, second_completions;
+  bool differ_in_alignment = false;
 };
 
 void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs) {
@@ -34,6 +35,7 @@ void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs)
   const bool is_import = first.trace.frames.empty() || second.trace.frames.empty();
   pairs.first_completions.push_back(is_import ? first.posed_percent : first.completion_percent);
   pairs.second_completions.push_back(is_import ? second.posed_percent : second.completion_percent);
+  pairs.differ_in_alignment |= first.trace.alignment != second.trace.alignment;
 }
 
 Pairs pairs_of(const std::vector<ColumnTrace>& traces, const std::string& first, const std::string& second) {
@@ -57,6 +59,7 @@ PairedDifference difference_of(const Pairs& pairs, const std::string& first, con
   difference.first_better = static_cast<int>(std::count_if(logs.begin(), logs.end(), [](double x) { return x < 0.0; }));
   difference.first_completion = mean_of(pairs.first_completions);
   difference.second_completion = mean_of(pairs.second_completions);
+  difference.differs_in_alignment = pairs.differ_in_alignment;
   return difference;
 }
 

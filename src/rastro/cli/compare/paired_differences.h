@@ -37,6 +37,7 @@ struct PairedDifference {
   double p_value = 1.0;       ///< Wilcoxon's signed-rank test of the logarithms of the ratios.
   double adjusted_p = 1.0;    ///< After Holm, over all differences of the report.
   double first_completion = 0.0, second_completion = 0.0;  ///< Mean over the pairs, in percent.
+  bool differs_in_alignment = false;  ///< An error after fitting the scale is not ranked with one in meters.
 
   bool is_significant() const { return adjusted_p < 0.05; }
   /// Completions differ by so much that the errors alone do not rank the two.

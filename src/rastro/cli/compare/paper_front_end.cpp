@@ -30,9 +30,9 @@ TrackOptions options_of(const std::string& tracker) {
   return options;
 }
 
-TrackTableMeans tracked_means(const std::string& recording, const std::vector<std::string>& flags,
-                              const TrackOptions& options, TaskPool& pool) {
-  const auto source = rastro::open(recording, open_options_of(recording, flags));
+TrackTableMeans tracked_means(const std::string& recording, const OpenOptions& open, const TrackOptions& options,
+                              TaskPool& pool) {
+  const auto source = rastro::open(recording, open);
   if (!source->info().has_image) throw Error("has no images", recording, "");
   std::optional<Camera> camera;
   if (!source->info().cameras.empty()) camera = source->info().cameras.front().camera;
@@ -43,6 +43,13 @@ TrackTableMeans tracked_means(const std::string& recording, const std::vector<st
     means.add(tracker.process(frame->image.view(), frame->stamp));
   }
   return means;
+}
+
+/// Behind 'rastro track RECORDING': a world knows its camera.
+std::vector<std::string> track_flags_of(const CompareInput& input) {
+  std::vector<std::string> flags = input.is_world() ? std::vector<std::string>() : input.flags;
+  if (!input.frames().empty()) flags.insert(flags.end(), {"--frames", input.frames()});
+  return flags;
 }
 
 std::vector<std::string> row_of(const FrontEndFigures& each) {
@@ -63,10 +70,11 @@ std::vector<FrontEndFigures> front_end_figures(const std::vector<CompareInput>& 
   TaskPool pool(0);
   for (std::size_t input = 0; input < inputs.size(); ++input) {
     if (!inputs[input].facts.has_image || inputs[input].facts.has_depth) continue;
-    const std::vector<std::string> flags = inputs[input].is_world() ? std::vector<std::string>() : inputs[input].flags;
+    const std::vector<std::string> flags = track_flags_of(inputs[input]);
     for (const TrackerChoice& tracker : trackers) {
       try {
-        const auto means = tracked_means(recordings[input], flags, options_of(tracker.name), pool);
+        const OpenOptions open = open_options_of(recordings[input], flags);
+        const auto means = tracked_means(recordings[input], open, options_of(tracker.name), pool);
         const std::string command =
             fmt::format("rastro track {} {} {} --out DIR", recordings[input], tracker.words, fmt::join(flags, " "));
         figures.push_back({input, tracker.name, means, command});

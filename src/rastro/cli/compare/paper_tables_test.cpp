@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "rastro/base/append_file.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/cli/compare/paper_behavior.h"
 #include "rastro/cli/compare/paper_front_end.h"
 #include "rastro/cli/compare/paper_positioning.h"
@@ -103,6 +105,35 @@ TEST(PaperTables, HaveTableOneOfWhatWasTracked) {
   ASSERT_EQ(tables.size(), 1U);
   EXPECT_THAT(tables[0].rows[1], ElementsAre("paper", "140.0", "3.0", "30.00", "1.50", ""));
   EXPECT_EQ(tables[0].rows[2][1], "125.5");
+}
+
+/// The second of three images is black.
+std::string images_with_a_loss() {
+  constexpr int width = 320, height = 240, block = 16;
+  const auto folder = scratch_folder("images");
+  for (int frame = 0; frame < 3; ++frame) {
+    std::string image = fmt::format("P5\n{} {}\n255\n", width, height);
+    for (int k = 0; k < width * height; ++k) {
+      const int column = k % width / block, row = k / width / block;
+      image += static_cast<char>(frame == 1 ? 0 : 30 + 37 * (column * column + 3 * row * row + column * row) % 200);
+    }
+    write_whole_file(folder / fmt::format("{}.pgm", frame), image);
+  }
+  return folder.string();
+}
+
+TEST(PaperTables, TrackTheChosenFramesOnly) {
+  const std::string recording = images_with_a_loss();
+  std::vector<CompareInput> inputs(1);
+  inputs[0].facts.has_image = true;
+  const auto all = front_end_figures(inputs, {recording});
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_GT(all[0].means.frames(), 0);
+  inputs[0].input.frames = "0:1";
+  const auto first = front_end_figures(inputs, {recording});
+  ASSERT_EQ(first.size(), 3U);
+  EXPECT_EQ(first[0].means.frames(), 0) << "nothing is lost in one frame";
+  EXPECT_THAT(first[1].command, HasSubstr("--preset paper --frames 0:1 --out DIR"));
 }
 
 TEST(PaperTables, TrackWhatHasNoDepth) {

@@ -6,24 +6,28 @@
 
 #include <algorithm>
 
+#include "rastro/cli/compare/alignment_choice.h"
+
 namespace rastro::cli {
 namespace {
 
 /// Of this kind on the input; empty: none has an error.
-std::string best_column(const Comparison& comparison, const std::string& input, const std::string& kind) {
+std::string best_column(const Comparison& comparison, std::size_t index, const std::string& kind) {
   const ResultTable& table = comparison.table;
+  const std::string& input = comparison.inputs[index].name;
   std::vector<std::string> columns;
   for (const std::string& column : table.columns_on(input)) {
     const auto known = comparison.column_kinds.find(column);
     if (known != comparison.column_kinds.end() && known->second == kind && table.median(input, column, "ate_m"))
       columns.push_back(column);
   }
-  return best_on(table, input, columns);
+  return best_on(table, input, ranked_together(comparison, index, columns));
 }
 
 std::string p_text(double p) { return p < 0.001 ? "< 0.001" : fmt::format("{:.3f}", p); }
 
 std::string remark_on(const PairedDifference& difference) {
+  if (difference.differs_in_alignment) return "no ranking: aligned differently";
   if (difference.differs_in_completion()) return "no ranking: completion differs";
   return difference.is_significant() ? "significant" : "may be chance";
 }
@@ -144,7 +148,7 @@ TextRows summary_rows(const Comparison& comparison) {
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k) {
     const std::string& input = comparison.inputs[k].name;
     for (const char* kind : {"mono", "stereo", "depth", "laser"}) {
-      const std::string column = best_column(comparison, input, kind);
+      const std::string column = best_column(comparison, k, kind);
       if (column.empty()) continue;
       const auto cell = [&](const char* figure) {
         return figure_text(compare_figure(figure), table.median(input, column, figure));

@@ -26,7 +26,8 @@ struct Report {
 Report report_of(const Comparison& comparison);
 
 /// Of every input and kind of sensor the method with the smallest error among those that complete within 5 points of
-/// the mark (see MarkOnInput). Head: input, sensor, method, aligned, ATE, tracked, ms per frame.
+/// the mark (see MarkOnInput), of those that are ranked_together(). Head: input, sensor, method, aligned, ATE, tracked,
+/// ms per frame.
 TextRows summary_rows(const Comparison& comparison);
 /// Head: first, second, pairs, ratio, p, tracked %, remark.
 TextRows difference_rows(const std::vector<PairedDifference>& differences);

@@ -10,6 +10,8 @@
 #include <optional>
 #include <set>
 
+#include "rastro/cli/compare/alignment_choice.h"
+
 namespace rastro::cli {
 namespace {
 
@@ -71,7 +73,9 @@ Candidate candidate_of(const Comparison& comparison, const std::vector<std::size
   const ResultTable& table = comparison.table;
   for (const std::size_t input : inputs) {
     const std::string& name = comparison.inputs[input].name;
-    const MarkOnInput mark = mark_on(table, name, columns);
+    const std::vector<std::string> rivals = ranked_together(comparison, input, columns);
+    if (std::find(rivals.begin(), rivals.end(), column) == rivals.end()) continue;
+    const MarkOnInput mark = mark_on(table, name, rivals);
     const auto completed = table.median(name, column, "completion_percent");
     if (!mark.error_m || !completed) continue;
     const auto error = table.median(name, column, "ate_m");
@@ -143,8 +147,8 @@ std::string next_text(const std::vector<Candidate>& candidates, const std::vecto
   const std::string &best = candidates[0].column, &next = candidates[1].column;
   std::string text = fmt::format(" Next is {}, with {:.0f} % tracked.", next, candidates[1].completion);
   for (const PairedDifference& difference : differences)
-    if ((difference.first == best && difference.second == next) ||
-        (difference.first == next && difference.second == best))
+    if (!difference.differs_in_alignment && ((difference.first == best && difference.second == next) ||
+                                             (difference.first == next && difference.second == best)))
       text += " " + difference_text(difference) + ", over all inputs of this report.";
   return text;
 }
@@ -180,6 +184,21 @@ std::string shortness_text(const Comparison& comparison, const Candidate& best) 
   return fmt::format(" With {} frames in all this is a first look: more of the recording tells more.", frames);
 }
 
+/// How the best one is aligned where that needs a word, and who was not ranked with it for that.
+std::string scale_text(const Comparison& comparison, const std::vector<std::size_t>& inputs, const Candidate& best,
+                       const std::vector<std::string>& columns) {
+  const auto is_fitted = [&](std::size_t input) { return is_up_to_scale(comparison, input, best.column); };
+  if (std::any_of(best.inputs.begin(), best.inputs.end(), is_fitted))
+    return " It is up to scale: its error is after fitting the scale.";
+  std::vector<std::string> fitted;
+  for (const std::string& column : columns)
+    if (std::any_of(inputs.begin(), inputs.end(),
+                    [&](std::size_t input) { return is_up_to_scale(comparison, input, column); }))
+      fitted.push_back(column);
+  if (fitted.empty()) return "";
+  return fmt::format(" Not ranked with it, as their error is after fitting the scale: {}.", fmt::join(fitted, ", "));
+}
+
 std::string advice_on(const Comparison& comparison, const std::vector<std::size_t>& inputs, const UseCase& use,
                       const std::vector<PairedDifference>& differences) {
   const std::vector<std::string> columns = columns_of(comparison, use);
@@ -192,7 +211,8 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   std::vector<std::string> names;
   for (const std::size_t input : best.inputs) names.push_back(comparison.inputs[input].name);
   return why_text(best, candidates.size(), fmt::format("{}", fmt::join(names, ", "))) +
-         expectation_text(comparison, best) + next_text(candidates, differences) + shortness_text(comparison, best);
+         expectation_text(comparison, best) + scale_text(comparison, inputs, best, columns) +
+         next_text(candidates, differences) + shortness_text(comparison, best);
 }
 
 }  // namespace
