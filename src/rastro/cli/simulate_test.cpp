@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
 #include "rastro/dataset/open.h"
@@ -233,6 +234,25 @@ TEST(WriteTum, a_room_is_read_back_in_color_with_depth_at_times_of_its_own) {
     ASSERT_TRUE(world.scene().touches(position, 1e-3)) << position.transpose();
   }
   EXPECT_TRUE(fs::exists(folder / "objects.yaml"));
+}
+
+/// A map has the frame of the recording's first camera, which need not be the first one of the world.
+TEST(WriteTum, lengths_and_surfaces_are_in_the_frame_of_the_first_camera_of_the_recording) {
+  constexpr std::int64_t first = 300;
+  const fs::path folder = scratch_path("later");
+  TaskPool pool(2);
+  const World world = make_bedroom({.scale = 0.05, .threads = 2});
+  write_tum(world, folder, {.frames = 1, .selection = {.first = first}}, pool);
+  const SE3 world_from_map = world.world_from_camera(first);
+  const Scene scene = world.scene_at(first);
+  for (const MeshVertex& vertex : read_mesh_ply((folder / "truth.ply").string()).vertices) {
+    const Eigen::Vector3d position = world_from_map * vertex.position.cast<double>();
+    ASSERT_TRUE(scene.touches(position, 1e-3)) << position.transpose();
+  }
+  const LengthObjects read = parse_length_objects(read_whole_file(folder / "objects.yaml"), "objects.yaml");
+  ASSERT_EQ(read.objects.size(), world.lengths().size());
+  for (std::size_t i = 0; i < read.objects.size(); ++i)
+    EXPECT_LT((world_from_map * read.objects[i].a.point - world.lengths()[i].a.middle).norm(), 0.0174) << i;
 }
 
 TEST(WriteTum, what_can_be_measured_is_read_back_as_precisely_as_it_was_pointed_at) {

@@ -100,8 +100,8 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   const auto depth_name_of = [&](std::int64_t frame) { return depth_stamp(frame) + ".png"; };
   std::atomic<std::uintmax_t> bytes{0};
   if (!world.lengths().empty()) {
-    TextFile(folder / "objects.yaml", objects_text(world));
-    bytes += write_ground_truth_mesh(world, folder / "truth.ply");
+    TextFile(folder / "objects.yaml", objects_text(world, options.selection.first));
+    bytes += write_ground_truth_mesh(world, folder / "truth.ply", options.selection.first);
   }
   const auto write_frame = [&](std::int64_t frame) {
     TaskPool alone(1);
