@@ -165,12 +165,6 @@ std::int64_t frames_of(const SimulateFlags& flags, const SimulatedWorld& world) 
   return flags.frames.value_or((left + flags.selection.every - 1) / flags.selection.every);
 }
 
-/// With --force: those of another world would be taken for those of this one.
-void remove_former_closures(const std::filesystem::path& recording) {
-  std::error_code ignored;
-  std::filesystem::remove(recording / "closures.yaml", ignored);
-}
-
 void simulate_camera(const SimulateFlags& flags) {
   const SimulatedWorld& simulated = simulated_world(flags.world_name);
   const std::int64_t frames = frames_of(flags, simulated);
@@ -187,8 +181,6 @@ void simulate_camera(const SimulateFlags& flags) {
     if (simulated.has_closures) {
       TaskPool pool(flags.world.threads);
       write_loop_closures(world, frames, flags.selection, written.recording, pool);
-    } else {
-      remove_former_closures(written.recording);
     }
   }
   if (!flags.quiet)
@@ -271,7 +263,8 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_flag("--no-ground-truth", flags->no_ground_truth,
                     "Omit the depth and surface images, which `rastro evaluate tracks` needs (euroc)");
   command->add_flag("--stereo", flags->stereo, "loop and campus: with the right camera (euroc, kitti)");
-  command->add_flag("--force", flags->force, "Write into a folder that is not empty");
+  command->add_flag("--force", flags->force,
+                    "Write into a folder that is not empty; a recording of that format there is replaced");
   command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->footer(examples_text);
   command->callback([flags, &context] {

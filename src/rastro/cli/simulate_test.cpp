@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
@@ -165,6 +166,52 @@ TEST(WriteLaserLog, a_folder_is_read_back_as_scans_with_odometry_and_truth) {
     sighted = landmarks->next();
   }
   EXPECT_FALSE(source->next() || sighted) << "nothing is left";
+}
+
+/// A file in each of the folders.
+void litter(const fs::path& folder, std::initializer_list<const char*> parts) {
+  for (const char* part : parts) {
+    fs::create_directories(folder / part);
+    write_whole_file(folder / part / "former.png", "x");
+  }
+}
+
+TEST(WriteWithForce, a_former_recording_leaves_nothing_in_the_new_one) {
+  TaskPool pool(2);
+  const World& world = small_street();
+  const fs::path euroc = scratch_path("forced_euroc"), tum = scratch_path("forced_tum"),
+                 kitti = scratch_path("forced_kitti"), raw = scratch_path("forced_raw");
+  const fs::path drive = write_kitti(world, raw, {.frames = 1, .layout = KittiLayout::raw}, pool).recording;
+  litter(euroc, {"mav0/cam0/data", "mav0/cam1/data", "mav0/truth/depth", "closures.yaml", "mav0/imu0"});
+  litter(tum, {"rgb", "depth", "objects.yaml", "truth.ply", "notes"});
+  litter(kitti, {"image_0", "image_1", "velodyne"});
+  litter(drive, {"image_00/data", "oxts/data", "velodyne_points"});
+  write_euroc(world, euroc, {.frames = 1, .ground_truth = false, .force = true}, pool);
+  write_tum(world, tum, {.frames = 1, .force = true}, pool);
+  write_kitti(world, kitti, {.frames = 1, .force = true}, pool);
+  write_kitti(world, raw, {.frames = 1, .layout = KittiLayout::raw, .force = true}, pool);
+  for (const fs::path& gone : {euroc / "mav0/cam1", euroc / "mav0/truth", euroc / "closures.yaml",
+                               euroc / "mav0/cam0/data/former.png", tum / "rgb/former.png", tum / "depth/former.png",
+                               tum / "objects.yaml", tum / "truth.ply", kitti / "image_0/former.png", kitti / "image_1",
+                               drive / "image_00/data/former.png", drive / "oxts/data/former.png"})
+    EXPECT_FALSE(fs::exists(gone)) << gone;
+  for (const fs::path& stays :
+       {euroc / "mav0/imu0/former.png", tum / "notes/former.png", kitti / "velodyne/former.png",
+        drive / "velodyne_points/former.png", euroc / "mav0/cam0/data.csv", tum / "rgb.txt", kitti / "poses.txt"})
+    EXPECT_TRUE(fs::exists(stays)) << stays;
+}
+
+TEST(WriteWithForce, nothing_outside_of_the_folder_is_removed) {
+  TaskPool pool(2);
+  const fs::path folder = scratch_folder("forced"), elsewhere = scratch_folder("elsewhere");
+  litter(elsewhere, {"cam0", "rgb"});
+  fs::create_directory_symlink(elsewhere, folder / "mav0");
+  fs::create_directory_symlink(elsewhere / "rgb", folder / "rgb");
+  write_euroc(small_street(), folder, {.frames = 1, .ground_truth = false, .force = true}, pool);
+  write_tum(small_street(), folder, {.frames = 1, .force = true}, pool);
+  EXPECT_TRUE(fs::exists(elsewhere / "cam0/former.png"));
+  EXPECT_TRUE(fs::exists(elsewhere / "rgb/former.png"));
+  EXPECT_FALSE(fs::is_symlink(folder / "rgb"));
 }
 
 TEST(WriteTum, depth_and_poses_are_read_back) {
