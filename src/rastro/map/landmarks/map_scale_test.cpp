@@ -75,6 +75,26 @@ TEST(MapScale, SemiDenseDepthIsInMetersToo) {
   EXPECT_EQ(map.layer<SemiDenseLayer>()->of.at(3)->pixels[0].inverse_depth, 0.5F) << "the map itself stays";
 }
 
+/// What an error costs does not depend on the unit that it is in.
+TEST(MapScale, TheInformationOfAConstraintIsInMetersToo) {
+  Map map;
+  Constraint& known = map.constraints.emplace_back();
+  known.from_from_to = Sim3(1.0, SO3(), {1.0, 2.0, 3.0});
+  known.information.diagonal() << 9.0, 8.0, 7.0, 6.0, 5.0, 4.0;
+  known.information(0, 4) = known.information(4, 0) = 0.5;
+  map.constraints.push_back({.from = 1, .to = 2});
+  MapScaleFound found;
+  found.meters_per_unit = 4.0;
+  const Map in_meters = scaled(map, found);
+  const Vector6d error = (Vector6d() << 0.1, -0.2, 0.3, 0.04, -0.05, 0.06).finished();
+  Vector6d error_in_meters = error;
+  error_in_meters.head<3>() *= 4.0;
+  EXPECT_NEAR(error_in_meters.dot(in_meters.constraints[0].information * error_in_meters),
+              error.dot(map.constraints[0].information * error), 1e-12);
+  EXPECT_EQ(in_meters.constraints[0].from_from_to.translation(), Vector3d(4.0, 8.0, 12.0));
+  EXPECT_EQ(in_meters.constraints[1].information, Matrix6d::Identity()) << "it was not known";
+}
+
 /// Where the first keyframe is may have been given in meters.
 TEST(MapScale, TheFirstKeyframeStaysWhereItIs) {
   Map map;
