@@ -217,6 +217,24 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
               HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0.4 0"));
 }
 
+/// As in a map that was recovered from a damaged file.
+TEST(Colmap, AKeyframeWithoutAnImageIsLeftOut) {
+  const auto folder = scratch_folder("colmap_recovered");
+  Map map = make_test_map(3);
+  auto store = std::make_shared<MemoryImages>();
+  for (const KeyframeId id : {0, 2}) store->add(id, images_of(map)->read(id));
+  auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
+  images->store = store, images->keyframes = {0, 2};
+  map.layers.put<ImageLayer>(std::move(images));
+  EXPECT_EQ(write_colmap(map, folder), 2U);
+  EXPECT_FALSE(std::filesystem::exists(folder / "images" / "000001.jpg"));
+  const std::string text = read_text_file((folder / "images.txt").string());
+  const auto lines = content_lines(text);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_TRUE(lines[0].text.starts_with("1 "));
+  EXPECT_TRUE(lines[2].text.starts_with("3 "));
+}
+
 TEST(CloudImage, ShowsTheRoomFromAboveWithoutItsCeiling) {
   const Map map = make_test_map(4);
   CloudOptions options;
