@@ -93,7 +93,8 @@ void check_flags(const SimulateFlags& flags) {
   const bool drives = flags.world_name == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
-  if (flags.odometry_error && !(drives && (flags.format.empty() || flags.format == "carmen")))
+  const bool laser = flags.format == "carmen" || (flags.format.empty() && drives);
+  if (flags.odometry_error && !laser)
     throw Error("only a laser log has wheel odometry", "--odometry-error", "omit it or simulate the corridor");
   if (flags.odometry_error && !(*flags.odometry_error >= 0.0 && *flags.odometry_error <= 100.0))
     throw Error("the error factor is out of range", "--odometry-error", "give 0 to 100");
@@ -104,10 +105,9 @@ void check_flags(const SimulateFlags& flags) {
     throw Error("this is not a step between frames", "--every", "give 1 to 100000");
   if (flags.selection.first < 0 || flags.selection.first > 10'000'000)
     throw Error("there is no such frame", "--first", "give 0 to 10000000");
-  if (flags.selection.first > 0 && drives)
-    throw Error("a laser log has every scan", "--first", "omit it; 'rastro slam --frames' takes a part");
-  if ((flags.selection.first > 0 || flags.selection.every > 1) && flags.format == "carmen")
-    throw Error("a laser log has every scan", "--every or --first", "omit it");
+  if ((flags.selection.first > 0 || flags.selection.every > 1) && laser)
+    throw Error("a laser log has every scan", flags.selection.first > 0 ? "--first" : "--every",
+                "omit it; 'rastro slam --frames' takes a part");
   if (flags.world.threads < 0)
     throw Error("the number of threads is negative", "--threads", "give 1 or more, or 0 for all cores");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the writers of recordings write, the readers read: the poses are the world's.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/command.h"
 #include "rastro/dataset/open.h"
 #include "rastro/evaluate/length_objects.h"
 #include "rastro/export/ply.h"
@@ -212,6 +214,29 @@ TEST(WriteWithForce, nothing_outside_of_the_folder_is_removed) {
   EXPECT_TRUE(fs::exists(elsewhere / "cam0/former.png"));
   EXPECT_TRUE(fs::exists(elsewhere / "rgb/former.png"));
   EXPECT_FALSE(fs::is_symlink(folder / "rgb"));
+}
+
+/// What `rastro simulate corridor` says to these words.
+std::string refusal_of_corridor(std::vector<std::string> words) {
+  words.insert(words.begin(), {"simulate", "corridor", "--quiet", "--out", scratch_path("refused").string()});
+  CLI::App app;
+  cli::Context context;
+  cli::add_simulate_command(app, context);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SimulateCorridor, parts_are_refused_for_the_laser_alone) {
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--every", "5"}), HasSubstr("--every: a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--first", "5"}), HasSubstr("--first: a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--format", "carmen", "--every", "5"}), HasSubstr("a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--format", "tum", "--first", "5", "--every", "2", "--threads", "-1"}),
+              HasSubstr("threads is negative"));
 }
 
 TEST(WriteTum, depth_and_poses_are_read_back) {
