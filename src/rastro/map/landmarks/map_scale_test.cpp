@@ -262,6 +262,23 @@ TEST(CameraHeight, OnlySubmapZeroCountsInTheOrderOfItsFrames) {
   EXPECT_EQ(drive.found().measurements, 92);
 }
 
+/// Each recording numbers its frames from 0: the next frame of one is no neighbor of those of the other.
+TEST(CameraHeight, TheDirectionOfTravelIsThatOfTheSession) {
+  Drive drive;
+  drive.map.sessions.resize(2);
+  drive.map.sessions[1].session = 1;
+  const SO3 along_x = SO3::exp({0.0, 0.5 * std::numbers::pi, 0.0});
+  for (std::int64_t k = 0; k < 10; ++k) {
+    Keyframe& keyframe = drive.map.keyframes.emplace_back();
+    keyframe.id = keyframe_id({0, 1, k}), keyframe.frame = k;
+    keyframe.world_from_camera = SE3(along_x, {static_cast<double>(k), 0.0, 50.0});
+  }
+  drive.add(0.5, 1.0, 3.0, 4, 60);
+  drive.add(3.0, 1.0, -0.5, keyframe_id({0, 1, 4}), 60);
+  EXPECT_EQ(drive.found().measurements, 120);
+  EXPECT_NEAR(drive.found().meters_per_unit, height_m, 1e-9);
+}
+
 /// Sixteen keyframes whose ground is at slightly different heights; those from `begin` to `end` observe nothing.
 Drive uneven_drive(KeyframeId begin = 0, KeyframeId end = 0) {
   Drive drive(16);
