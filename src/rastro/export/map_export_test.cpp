@@ -82,6 +82,18 @@ TEST(Ply, ReadsWhatOthersWrite) {
   EXPECT_THAT(mesh.triangles, testing::ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}));
 }
 
+/// As the Point Cloud Library writes points beside a hole.
+TEST(Ply, APointWithoutANormalStays) {
+  const PointCloud cloud = parse_cloud_ply(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nend_header\n1 2 3 nan nan nan\n4 5 6 0 0 1\n",
+      "a.ply");
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_EQ(cloud.points[0].position, Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(cloud.points[0].normal.isZero());
+  EXPECT_EQ(cloud.points[1].normal, Eigen::Vector3f(0, 0, 1));
+}
+
 TEST(Ply, ReadsBackTheMeshItWrites) {
   TriangleMesh mesh;
   for (int k = 0; k < 4; ++k)
