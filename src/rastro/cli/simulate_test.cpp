@@ -235,7 +235,7 @@ TEST(SimulateCorridor, parts_are_refused_for_the_laser_alone) {
   EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--every", "5"}), HasSubstr("--every: a laser log has every scan"));
   EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--first", "5"}), HasSubstr("--first: a laser log has every scan"));
   EXPECT_THAT(refusal_of_corridor({"--format", "carmen", "--every", "5"}), HasSubstr("a laser log has every scan"));
-  EXPECT_THAT(refusal_of_corridor({"--format", "tum", "--first", "5", "--every", "2", "--threads", "-1"}),
+  EXPECT_THAT(refusal_of_corridor({"--format", "tum", "--first", "5", "--every", "2", "--threads=-1"}),
               HasSubstr("threads is negative"));
 }
 
@@ -313,7 +313,7 @@ TEST(WriteTum, lengths_and_surfaces_are_in_the_frame_of_the_first_camera_of_the_
   constexpr std::int64_t first = 300;
   const fs::path folder = scratch_path("later");
   TaskPool pool(2);
-  const World world = make_bedroom({.scale = 0.05, .threads = 2});
+  const World world = make_bedroom({.scale = 0.125, .threads = 2});
   write_tum(world, folder, {.frames = 1, .selection = {.first = first}}, pool);
   const SE3 world_from_map = world.world_from_camera(first);
   const Scene scene = world.scene_at(first);
