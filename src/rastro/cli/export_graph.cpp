@@ -35,11 +35,6 @@ const Map& need_observed_landmarks(const ExportJob& job) {
 
 std::size_t landmark_count(const Map& map) { return map.layer<LandmarkLayer>()->landmarks.size(); }
 
-std::int64_t keyframes_in(const Map& map, int submap) {
-  return std::count_if(map.keyframes.begin(), map.keyframes.end(),
-                       [submap](const Keyframe& each) { return submap < 0 || each.submap == submap; });
-}
-
 /// Writes images/ where the recording of the run is known.
 ColmapNames colmap_names(const ExportJob& job, const Map& map) {
   const auto recordings = recordings_of_map(map, job.input.path, job.settings.images);
@@ -77,10 +72,8 @@ ExportFacts export_g2o(const ExportJob& job) {
 ExportFacts export_colmap(const ExportJob& job) {
   const Map& map = need_map(job.input, job.settings.to);
   const bool text = job.settings.to == "colmap";
-  if (text && map.layer<ImageLayer>()) {
-    write_colmap(map, job.settings.out, job.settings.cloud.submap);
-    return {{"keyframes", keyframes_in(map, job.settings.cloud.submap)}};
-  }
+  if (text && map.layer<ImageLayer>())
+    return {{"keyframes", write_colmap(map, job.settings.out, job.settings.cloud.submap)}};
   need_observed_landmarks(job);
   const ColmapNames names = colmap_names(job, map);
   const ColmapSize written = write_landmark_colmap(map, job.settings.out, text ? ColmapForm::text : ColmapForm::binary,

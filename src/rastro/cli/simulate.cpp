@@ -93,7 +93,8 @@ void check_flags(const SimulateFlags& flags) {
   const bool drives = flags.world_name == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
-  if (flags.odometry_error && !(drives && (flags.format.empty() || flags.format == "carmen")))
+  const bool laser = flags.format == "carmen" || (flags.format.empty() && drives);
+  if (flags.odometry_error && !laser)
     throw Error("only a laser log has wheel odometry", "--odometry-error", "omit it or simulate the corridor");
   if (flags.odometry_error && !(*flags.odometry_error >= 0.0 && *flags.odometry_error <= 100.0))
     throw Error("the error factor is out of range", "--odometry-error", "give 0 to 100");
@@ -104,10 +105,9 @@ void check_flags(const SimulateFlags& flags) {
     throw Error("this is not a step between frames", "--every", "give 1 to 100000");
   if (flags.selection.first < 0 || flags.selection.first > 10'000'000)
     throw Error("there is no such frame", "--first", "give 0 to 10000000");
-  if (flags.selection.first > 0 && drives)
-    throw Error("a laser log has every scan", "--first", "omit it; 'rastro slam --frames' takes a part");
-  if ((flags.selection.first > 0 || flags.selection.every > 1) && flags.format == "carmen")
-    throw Error("a laser log has every scan", "--every or --first", "omit it");
+  if ((flags.selection.first > 0 || flags.selection.every > 1) && laser)
+    throw Error("a laser log has every scan", flags.selection.first > 0 ? "--first" : "--every",
+                "omit it; 'rastro slam --frames' takes a part");
   if (flags.world.threads < 0)
     throw Error("the number of threads is negative", "--threads", "give 1 or more, or 0 for all cores");
 }
@@ -165,12 +165,6 @@ std::int64_t frames_of(const SimulateFlags& flags, const SimulatedWorld& world) 
   return flags.frames.value_or((left + flags.selection.every - 1) / flags.selection.every);
 }
 
-/// With --force: those of another world would be taken for those of this one.
-void remove_former_closures(const std::filesystem::path& recording) {
-  std::error_code ignored;
-  std::filesystem::remove(recording / "closures.yaml", ignored);
-}
-
 void simulate_camera(const SimulateFlags& flags) {
   const SimulatedWorld& simulated = simulated_world(flags.world_name);
   const std::int64_t frames = frames_of(flags, simulated);
@@ -187,8 +181,6 @@ void simulate_camera(const SimulateFlags& flags) {
     if (simulated.has_closures) {
       TaskPool pool(flags.world.threads);
       write_loop_closures(world, frames, flags.selection, written.recording, pool);
-    } else {
-      remove_former_closures(written.recording);
     }
   }
   if (!flags.quiet)
@@ -271,7 +263,8 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_flag("--no-ground-truth", flags->no_ground_truth,
                     "Omit the depth and surface images, which `rastro evaluate tracks` needs (euroc)");
   command->add_flag("--stereo", flags->stereo, "loop and campus: with the right camera (euroc, kitti)");
-  command->add_flag("--force", flags->force, "Write into a folder that is not empty");
+  command->add_flag("--force", flags->force,
+                    "Write into a folder that is not empty; a recording of that format there is replaced");
   command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->footer(examples_text);
   command->callback([flags, &context] {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the writers of recordings write, the readers read: the poses are the world's.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/command.h"
 #include "rastro/dataset/open.h"
 #include "rastro/evaluate/length_objects.h"
 #include "rastro/export/ply.h"
@@ -166,6 +170,75 @@ TEST(WriteLaserLog, a_folder_is_read_back_as_scans_with_odometry_and_truth) {
   EXPECT_FALSE(source->next() || sighted) << "nothing is left";
 }
 
+/// A file in each of the folders.
+void litter(const fs::path& folder, std::initializer_list<const char*> parts) {
+  for (const char* part : parts) {
+    fs::create_directories(folder / part);
+    write_whole_file(folder / part / "former.png", "x");
+  }
+}
+
+TEST(WriteWithForce, a_former_recording_leaves_nothing_in_the_new_one) {
+  TaskPool pool(2);
+  const World& world = small_street();
+  const fs::path euroc = scratch_path("forced_euroc"), tum = scratch_path("forced_tum"),
+                 kitti = scratch_path("forced_kitti"), raw = scratch_path("forced_raw");
+  const fs::path drive = write_kitti(world, raw, {.frames = 1, .layout = KittiLayout::raw}, pool).recording;
+  litter(euroc, {"mav0/cam0/data", "mav0/cam1/data", "mav0/truth/depth", "closures.yaml", "mav0/imu0"});
+  litter(tum, {"rgb", "depth", "objects.yaml", "truth.ply", "notes"});
+  litter(kitti, {"image_0", "image_1", "velodyne"});
+  litter(drive, {"image_00/data", "oxts/data", "velodyne_points"});
+  write_euroc(world, euroc, {.frames = 1, .ground_truth = false, .force = true}, pool);
+  write_tum(world, tum, {.frames = 1, .force = true}, pool);
+  write_kitti(world, kitti, {.frames = 1, .force = true}, pool);
+  write_kitti(world, raw, {.frames = 1, .layout = KittiLayout::raw, .force = true}, pool);
+  for (const fs::path& gone : {euroc / "mav0/cam1", euroc / "mav0/truth", euroc / "closures.yaml",
+                               euroc / "mav0/cam0/data/former.png", tum / "rgb/former.png", tum / "depth/former.png",
+                               tum / "objects.yaml", tum / "truth.ply", kitti / "image_0/former.png", kitti / "image_1",
+                               drive / "image_00/data/former.png", drive / "oxts/data/former.png"})
+    EXPECT_FALSE(fs::exists(gone)) << gone;
+  for (const fs::path& stays :
+       {euroc / "mav0/imu0/former.png", tum / "notes/former.png", kitti / "velodyne/former.png",
+        drive / "velodyne_points/former.png", euroc / "mav0/cam0/data.csv", tum / "rgb.txt", kitti / "poses.txt"})
+    EXPECT_TRUE(fs::exists(stays)) << stays;
+}
+
+TEST(WriteWithForce, nothing_outside_of_the_folder_is_removed) {
+  TaskPool pool(2);
+  const fs::path folder = scratch_folder("forced"), elsewhere = scratch_folder("elsewhere");
+  litter(elsewhere, {"cam0", "rgb"});
+  fs::create_directory_symlink(elsewhere, folder / "mav0");
+  fs::create_directory_symlink(elsewhere / "rgb", folder / "rgb");
+  write_euroc(small_street(), folder, {.frames = 1, .ground_truth = false, .force = true}, pool);
+  write_tum(small_street(), folder, {.frames = 1, .force = true}, pool);
+  EXPECT_TRUE(fs::exists(elsewhere / "cam0/former.png"));
+  EXPECT_TRUE(fs::exists(elsewhere / "rgb/former.png"));
+  EXPECT_FALSE(fs::is_symlink(folder / "rgb"));
+}
+
+/// What `rastro simulate corridor` says to these words.
+std::string refusal_of_corridor(std::vector<std::string> words) {
+  words.insert(words.begin(), {"simulate", "corridor", "--quiet", "--out", scratch_path("refused").string()});
+  CLI::App app;
+  cli::Context context;
+  cli::add_simulate_command(app, context);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SimulateCorridor, parts_are_refused_for_the_laser_alone) {
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--every", "5"}), HasSubstr("--every: a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--frames", "1", "--first", "5"}), HasSubstr("--first: a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--format", "carmen", "--every", "5"}), HasSubstr("a laser log has every scan"));
+  EXPECT_THAT(refusal_of_corridor({"--format", "tum", "--first", "5", "--every", "2", "--threads=-1"}),
+              HasSubstr("threads is negative"));
+}
+
 TEST(WriteTum, depth_and_poses_are_read_back) {
   const fs::path folder = scratch_path("rgbd");
   TaskPool pool(2);
@@ -233,6 +306,25 @@ TEST(WriteTum, a_room_is_read_back_in_color_with_depth_at_times_of_its_own) {
     ASSERT_TRUE(world.scene().touches(position, 1e-3)) << position.transpose();
   }
   EXPECT_TRUE(fs::exists(folder / "objects.yaml"));
+}
+
+/// A map has the frame of the recording's first camera, which need not be the first one of the world.
+TEST(WriteTum, lengths_and_surfaces_are_in_the_frame_of_the_first_camera_of_the_recording) {
+  constexpr std::int64_t first = 300;
+  const fs::path folder = scratch_path("later");
+  TaskPool pool(2);
+  const World world = make_bedroom({.scale = 0.125, .threads = 2});
+  write_tum(world, folder, {.frames = 1, .selection = {.first = first}}, pool);
+  const SE3 world_from_map = world.world_from_camera(first);
+  const Scene scene = world.scene_at(first);
+  for (const MeshVertex& vertex : read_mesh_ply((folder / "truth.ply").string()).vertices) {
+    const Eigen::Vector3d position = world_from_map * vertex.position.cast<double>();
+    ASSERT_TRUE(scene.touches(position, 1e-3)) << position.transpose();
+  }
+  const LengthObjects read = parse_length_objects(read_whole_file(folder / "objects.yaml"), "objects.yaml");
+  ASSERT_EQ(read.objects.size(), world.lengths().size());
+  for (std::size_t i = 0; i < read.objects.size(); ++i)
+    EXPECT_LT((world_from_map * read.objects[i].a.point - world.lengths()[i].a.middle).norm(), 0.0174) << i;
 }
 
 TEST(WriteTum, what_can_be_measured_is_read_back_as_precisely_as_it_was_pointed_at) {

@@ -23,7 +23,17 @@ constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its center a
 
 std::string image_name(std::size_t keyframe) { return fmt::format("{:06}.jpg", keyframe); }
 
-bool wanted(const Keyframe& keyframe, int submap) { return submap < 0 || keyframe.submap == submap; }
+/// Of a submap, those with an image: a map that was recovered may lack some.
+std::vector<std::size_t> keyframes_of(const Map& map, int submap) {
+  const auto images = map.layer<ImageLayer>();
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
+    const bool shown = !images || std::binary_search(images->keyframes.begin(), images->keyframes.end(), keyframe.id);
+    if (shown && (submap < 0 || keyframe.submap == submap)) chosen.push_back(k);
+  }
+  return chosen;
+}
 
 /// Of a keyframe; none where the map has no features of it.
 std::vector<Keypoint> keypoints_of(const FeatureLayer* features, KeyframeId id) {
@@ -90,8 +100,7 @@ std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& point
   for (std::size_t k = 0; k < points.size(); ++k)
     for (const FeatureView& view : points[k].views) point_of[view.keyframe][view.feature] = k + 1;
   std::string text = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    if (!wanted(map.keyframes[k], submap)) continue;
+  for (const std::size_t k : keyframes_of(map, submap)) {
     const SE3 pose = map.keyframes[k].world_from_camera.inverse();
     const Eigen::Quaterniond& q = pose.rotation().quaternion();
     const Eigen::Vector3d& t = pose.translation();
@@ -124,15 +133,15 @@ std::string colmap_points(const Map& map, const std::vector<FeaturePoint>& point
   return text;
 }
 
-void write_colmap(const Map& map, const fs::path& folder, int submap) {
+std::size_t write_colmap(const Map& map, const fs::path& folder, int submap) {
   std::error_code code;
   fs::create_directories(folder / "images", code);
   if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
   const auto images = images_of(map);
   RASTRO_CHECK(images, "a map with images");
   int width = camera_of(map, "colmap").intrinsics.width, height = map.cameras.front().intrinsics.height;
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    if (!wanted(map.keyframes[k], submap)) continue;
+  const std::vector<std::size_t> keyframes = keyframes_of(map, submap);
+  for (const std::size_t k : keyframes) {
     const PackedImages packed = images->read(map.keyframes[k].id);
     if (width == 0) {
       const DepthImage depth = unpack_depth(packed, fmt::format("keyframe {}", k));
@@ -145,6 +154,7 @@ void write_colmap(const Map& map, const fs::path& folder, int submap) {
   write_whole_file(folder / "cameras.txt", colmap_cameras(map.cameras, width, height));
   write_whole_file(folder / "images.txt", colmap_images(map, points, submap));
   write_whole_file(folder / "points3D.txt", colmap_points(map, points));
+  return keyframes.size();
 }
 
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,13 +24,14 @@ ColmapModel colmap_model(const Camera& camera);
 /// cameras.txt: a line for each camera of the map, with its distortion. Cameras that do not know their size get this
 /// one.
 std::string colmap_cameras(const std::vector<MapCamera>& cameras, int width = 0, int height = 0);
-/// images.txt: pose and features of each keyframe; a feature's point is its index in `points` + 1, or -1.
+/// images.txt: pose and features of each keyframe, where the map has images of those with one; a feature's point is its
+/// index in `points` + 1, or -1.
 std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& points, int submap = 0);
 /// points3D.txt: colors are those of the first keyframe that shows a point. The map must have images.
 std::string colmap_points(const Map& map, const std::vector<FeaturePoint>& points);
 
-/// All three, and the images as they are packed in images/. Makes the folder. The map must have images. Error where
-/// something cannot be read or written.
-void write_colmap(const Map& map, const std::filesystem::path& folder, int submap = 0);
+/// All three, and the images as they are packed in images/; returns how many. Makes the folder. The map must have
+/// images. Error where something cannot be read or written.
+std::size_t write_colmap(const Map& map, const std::filesystem::path& folder, int submap = 0);
 
 }  // namespace rastro

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <system_error>
@@ -49,6 +50,17 @@ struct Model {
   std::vector<ModelPoint> points;
 };
 
+/// COLMAP knows images by their names. Each recording numbers its frames from 0, and its files may be numbered another
+/// way.
+std::string name_of(const Map& map, const Keyframe& keyframe, const ColmapNames& names) {
+  const auto given = names.find(keyframe.id);
+  if (given != names.end()) return given->second;
+  const std::string numbered = fmt::format("{:06}.png", keyframe.frame);
+  const bool taken =
+      std::any_of(names.begin(), names.end(), [&](const auto& named) { return named.second == numbered; });
+  return map.sessions.size() > 1 || taken ? fmt::format("keyframe{}_{}", keyframe.id, numbered) : numbered;
+}
+
 /// Numbered on from 1: the id of a keyframe of a later session does not fit COLMAP's 32 bits.
 ModelImage image_of(const Map& map, std::size_t index, const ImageFeatures* features, const ColmapNames& names) {
   const Keyframe& keyframe = map.keyframes[index];
@@ -56,8 +68,7 @@ ModelImage image_of(const Map& map, std::size_t index, const ImageFeatures* feat
   image.id = static_cast<std::int64_t>(index) + 1;
   image.camera = keyframe.camera + 1;
   image.camera_from_world = keyframe.world_from_camera.inverse();
-  const auto name = names.find(keyframe.id);
-  image.name = name == names.end() ? fmt::format("{:06}.png", keyframe.frame) : name->second;
+  image.name = name_of(map, keyframe, names);
   if (!features) return image;
   for (const Keypoint& point : features->features.keypoints)
     image.points.push_back({static_cast<double>(point.x) + half_px, static_cast<double>(point.y) + half_px, no_point});

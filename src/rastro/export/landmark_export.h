@@ -38,8 +38,9 @@ struct ColmapSize {
 };
 
 /// cameras, images and points3D with observations and tracks, as COLMAP has them. Landmarks that fewer than two of the
-/// keyframes observe are omitted. Keyframes without a name are named by frame numbers (000123.png). Ids are those of
-/// the map plus 1. Makes the folder. Error where something cannot be written.
+/// keyframes observe are omitted. Keyframes without a name are named by frame numbers (000123.png), in a map of
+/// several sessions by their ids as well (keyframe7_000123.png). Ids are those of the map plus 1. Makes the folder.
+/// Error where something cannot be written.
 ColmapSize write_landmark_colmap(const Map& map, const std::filesystem::path& folder, ColmapForm form, int submap,
                                  const ColmapNames& names = {});
 

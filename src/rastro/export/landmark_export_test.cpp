@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "rastro/base/append_file.h"
@@ -191,6 +192,27 @@ TEST(LandmarkColmap, ImagesHaveTheirNamesAndLandmarksSeenOnceAreLeftOut) {
     const auto features = numbers_of(images[row + 1]);
     for (std::size_t i = 2; i < features.size(); i += 3) EXPECT_NE(" " + fmt::format("{:.0f}", features[i]), absent);
   }
+}
+
+std::set<std::string> colmap_image_names(const Map& map, const ColmapNames& names) {
+  const auto folder = scratch_path("colmap_unnamed");
+  write_landmark_colmap(map, folder, ColmapForm::text, 0, names);
+  const auto images = lines_of(read_whole_file(folder / "images.txt"));
+  std::set<std::string> found;
+  for (std::size_t row = 0; row < images.size(); row += 2) found.insert(images[row].substr(images[row].rfind(' ') + 1));
+  return found;
+}
+
+/// COLMAP takes two images of one name for one.
+TEST(LandmarkColmap, NoTwoImagesHaveOneName) {
+  Map map = road();
+  const ColmapNames names = {{map.keyframes[2].id, fmt::format("{:06}.png", map.keyframes[5].frame)}};
+  EXPECT_EQ(colmap_image_names(map, names).size(), map.keyframes.size()) << "the files have other numbers";
+  map.sessions.resize(2);
+  map.keyframes[4].frame = map.keyframes[3].frame;
+  const std::set<std::string> found = colmap_image_names(map, {});
+  EXPECT_EQ(found.size(), map.keyframes.size());
+  EXPECT_TRUE(found.contains(fmt::format("keyframe{}_{:06}.png", map.keyframes[4].id, map.keyframes[4].frame)));
 }
 
 TEST(LandmarkExport, AnotherSubmapIsLeftOutUnlessAskedFor) {

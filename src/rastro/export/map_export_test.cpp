@@ -82,6 +82,18 @@ TEST(Ply, ReadsWhatOthersWrite) {
   EXPECT_THAT(mesh.triangles, testing::ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}));
 }
 
+/// As the Point Cloud Library writes points beside a hole.
+TEST(Ply, APointWithoutANormalStays) {
+  const PointCloud cloud = parse_cloud_ply(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nend_header\n1 2 3 nan nan nan\n4 5 6 0 0 1\n",
+      "a.ply");
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_EQ(cloud.points[0].position, Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(cloud.points[0].normal.isZero());
+  EXPECT_EQ(cloud.points[1].normal, Eigen::Vector3f(0, 0, 1));
+}
+
 TEST(Ply, ReadsBackTheMeshItWrites) {
   TriangleMesh mesh;
   for (int k = 0; k < 4; ++k)
@@ -215,6 +227,24 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
   map.cameras[1].intrinsics.coefficients[6] = 0.4;
   EXPECT_THAT(colmap_cameras(map.cameras),
               HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0.4 0"));
+}
+
+/// As in a map that was recovered from a damaged file.
+TEST(Colmap, AKeyframeWithoutAnImageIsLeftOut) {
+  const auto folder = scratch_folder("colmap_recovered");
+  Map map = make_test_map(3);
+  auto store = std::make_shared<MemoryImages>();
+  for (const KeyframeId id : {0, 2}) store->add(id, images_of(map)->read(id));
+  auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
+  images->store = store, images->keyframes = {0, 2};
+  map.layers.put<ImageLayer>(std::move(images));
+  EXPECT_EQ(write_colmap(map, folder), 2U);
+  EXPECT_FALSE(std::filesystem::exists(folder / "images" / "000001.jpg"));
+  const std::string text = read_text_file((folder / "images.txt").string());
+  const auto lines = content_lines(text);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_TRUE(lines[0].text.starts_with("1 "));
+  EXPECT_TRUE(lines[2].text.starts_with("3 "));
 }
 
 TEST(CloudImage, ShowsTheRoomFromAboveWithoutItsCeiling) {

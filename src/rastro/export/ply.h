@@ -22,8 +22,8 @@ std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const C
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame);
 
 /// Reads the vertices of a PLY, text or binary of either byte order, from whatever program: x, y, z are needed;
-/// normals, colors, count and sigma are taken where they are. Points that are not finite are omitted. Error naming
-/// `where` for what is not a PLY or ends early.
+/// normals, colors, count and sigma are taken where they are. Points that are not finite are omitted; a normal that is
+/// not is unknown. Error naming `where` for what is not a PLY or ends early.
 PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where);
 /// The same with faces; polygons are cut into triangles.
 TriangleMesh parse_mesh_ply(std::string_view bytes, const std::string& where);

@@ -283,7 +283,10 @@ class Reader {
 PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where) {
   PointCloud cloud;
   Reader(bytes, where).mesh_and_cloud(cloud);
-  std::erase_if(cloud.points, [](const CloudPoint& p) { return !p.position.allFinite() || !p.normal.allFinite(); });
+  std::erase_if(cloud.points, [](const CloudPoint& point) { return !point.position.allFinite(); });
+  // Other programs write nan where a point has no normal.
+  for (CloudPoint& point : cloud.points)
+    if (!point.normal.allFinite()) point.normal.setZero();
   return cloud;
 }
 

@@ -107,11 +107,13 @@ class KinectShot {
 
   bool lost(int x, int y, float z, bool edge, std::uint64_t bits) const {
     if (!(z >= static_cast<float>(model_.nearest_m) && z <= static_cast<float>(model_.farthest_m))) return true;
+    const std::uint32_t seen = exact_.surface.at(x, y);
+    if (seen == no_surface) return true;  // z is that of a pixel beside it
     const float chance = static_cast<float>(bits >> 40) * 0x1.0p-24F;
     if (edge && chance < 0.4F) return true;
     // Whole patches are missing, not single pixels: the matching uses windows.
     const float patch = std::clamp(0.5F + 0.2F * coarse_noise(x, y) + 0.3F * (chance - 0.5F), 0.001F, 0.999F);
-    const Surface& surface = renderer_.scene().surfaces()[exact_.surface.at(x, y)];
+    const Surface& surface = renderer_.scene().surfaces()[seen];
     if (surface.material.infrared < 1.0F && patch > surface.material.infrared) return true;
     const float steep = steepness(x, y, z) / static_cast<float>(model_.steepest);
     if (steep > 1.0F && patch > 1.0F / (steep * steep)) return true;

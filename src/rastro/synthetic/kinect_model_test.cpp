@@ -13,7 +13,7 @@ namespace {
 
 constexpr double wall_z = 2.0, thing_z = 1.2;
 
-/// A frontal wall with an object in front of its center.
+/// A frontal wall with an object in front of its center, or that alone.
 struct Stage {
   std::unique_ptr<Scene> scene = std::make_unique<Scene>();
   Camera camera;
@@ -21,11 +21,11 @@ struct Stage {
   RenderedFrame exact;
 };
 
-Stage stage(bool with_thing, int threads = 2, float infrared = 1.0F) {
+Stage stage(bool with_thing, int threads = 2, float infrared = 1.0F, bool with_wall = true) {
   Stage result;
   Material plain{[](Canvas& canvas, Random&) { canvas.fill(128.0F); }, 10.0};
   plain.infrared = infrared;
-  result.scene->add_box({0, 0, wall_z + 0.5}, {8, 8, 1}, plain);
+  if (with_wall) result.scene->add_box({0, 0, wall_z + 0.5}, {8, 8, 1}, plain);
   if (with_thing) result.scene->add_box({0, 0, thing_z + 0.1}, {0.4, 0.4, 0.2}, plain);
   result.scene->make_tree();
   result.camera.width = 320, result.camera.height = 240;
@@ -77,6 +77,18 @@ TEST(KinectModel, holes_are_at_edges_and_in_the_shadow_of_the_projector) {
     }
   EXPECT_GT(in_shadow, 100);
   EXPECT_EQ(in_shadow_lost, in_shadow);
+}
+
+/// At the rim of an object before nothing a pixel may take the depth of the one beside it.
+TEST(KinectModel, where_no_surface_is_there_is_no_depth) {
+  const Stage thing = stage(true, 2, 1.0F, false);
+  int measured = 0;
+  for (int y = 0; y < thing.camera.height; ++y)
+    for (int x = 0; x < thing.camera.width; ++x) {
+      measured += thing.raw.at(x, y) != 0 ? 1 : 0;
+      ASSERT_TRUE(thing.exact.surface.at(x, y) != no_surface || thing.raw.at(x, y) == 0) << x << ' ' << y;
+    }
+  EXPECT_GT(measured, 1000);
 }
 
 TEST(KinectModel, surfaces_without_infrared_have_no_depth_and_threads_do_not_matter) {

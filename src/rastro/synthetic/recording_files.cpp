@@ -2,7 +2,6 @@
 #include "rastro/synthetic/recording_files.h"
 
 #include <opencv2/imgcodecs.hpp>
-#include <vector>
 
 #include "rastro/base/error.h"
 
@@ -13,6 +12,17 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail_to_write(const fs::path& file) {
   throw Error("the file cannot be written", file.string(), "check the folder's permissions and the free space");
+}
+
+/// What lies behind a link is not in the folder and stays.
+void remove_former(const fs::path& folder, const fs::path& part) {
+  std::error_code error;
+  const fs::path there = fs::canonical((folder / part).parent_path(), error);
+  if (error || there != (fs::canonical(folder, error) / part).parent_path()) return;
+  fs::remove_all(folder / part, error);
+  if (error)
+    throw Error("the former recording cannot be removed (" + error.message() + ")", (folder / part).string(),
+                "choose another --out");
 }
 
 }  // namespace
@@ -33,7 +43,7 @@ void make_folder(const fs::path& folder) {
     throw Error("the folder cannot be made (" + error.message() + ")", folder.string(), "choose another --out");
 }
 
-FolderLock claim_folder(const fs::path& folder, bool force) {
+FolderLock claim_folder(const fs::path& folder, bool force, const std::vector<fs::path>& parts) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw Error("this is not a folder", folder.string(), "choose another --out");
@@ -41,6 +51,8 @@ FolderLock claim_folder(const fs::path& folder, bool force) {
   FolderLock lock(folder);
   if (!force && !fs::is_empty(folder, error))
     throw Error("the folder is not empty", folder.string(), "choose another --out or use --force");
+  if (force)
+    for (const fs::path& part : parts) remove_former(folder, part);
   return lock;
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "rastro/base/folder_lock.h"
 #include "rastro/image/image.h"
@@ -28,8 +29,10 @@ class TextFile {
 
 void make_folder(const std::filesystem::path& folder);
 /// Makes the folder and keeps other runs from writing to it while the lock lives. Throws Error if it is a file, is in
-/// use by another run, or is not empty and `force` is not set.
-[[nodiscard]] FolderLock claim_folder(const std::filesystem::path& folder, bool force);
+/// use by another run, or is not empty and `force` is not set. With it `parts`, files and folders within the folder,
+/// are removed: what a former recording there has and the new one lacks would be taken for a part of the new one.
+[[nodiscard]] FolderLock claim_folder(const std::filesystem::path& folder, bool force,
+                                      const std::vector<std::filesystem::path>& parts = {});
 /// Returns the size of the file.
 std::uintmax_t write_png(const std::filesystem::path& file, const cv::Mat& image);
 /// Shares the pixels of `gray`, which must not be written to.

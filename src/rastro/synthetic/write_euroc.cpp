@@ -126,7 +126,9 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   if (options.frames < 1) throw Error("there are no frames to write", "frames", "request at least one");
   if (options.stereo && !world.left_from_right())
     throw Error("the world has only one camera", world.name(), "omit the options that need two");
-  const FolderLock lock = claim_folder(folder, options.force);
+  const FolderLock lock =
+      claim_folder(folder, options.force,
+                   {"mav0/cam0", "mav0/cam1", "mav0/truth", "mav0/state_groundtruth_estimate0", "closures.yaml"});
   const fs::path mav = folder / "mav0";
   make_folder(mav / "state_groundtruth_estimate0");
   TextFile(mav / "state_groundtruth_estimate0/sensor.yaml", ground_truth_yaml(world));

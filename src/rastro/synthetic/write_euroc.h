@@ -14,7 +14,7 @@ namespace rastro {
 struct EurocOptions {
   std::int64_t frames = 150;
   bool ground_truth = true;       ///< Also depth, surfaces and camera poses under mav0/truth.
-  bool force = false;             ///< Write to a folder that is not empty.
+  bool force = false;             ///< Write to a folder that is not empty, in place of such a recording there.
   bool stereo = false;            ///< Also the right camera, as mav0/cam1. Throws Error for a world without one.
   FrameSelection selection = {};  ///< Which frames; their stamps are those of the world.
 };

@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -43,6 +44,13 @@ std::string date_text(TimeNs stamp) {
   const TimeNs second = 1'000'000'000;
   const std::time_t whole = static_cast<std::time_t>(stamp / second);
   return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09}", fmt::gmtime(whole), stamp % second);
+}
+
+/// Of raw data, within the folder of the output.
+fs::path drive_path(TimeNs first_stamp) {
+  std::string day = date_text(first_stamp).substr(0, 10);
+  std::replace(day.begin(), day.end(), '-', '_');
+  return fs::path(day) / (day + "_drive_0001_sync");
 }
 
 /// The lists of one layout; images are written separately, in any order.
@@ -140,18 +148,18 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
   if (options.stereo && !(world.left_from_right() && options.layout == KittiLayout::odometry))
     throw Error("only one camera can be written", world.name(),
                 "omit the options that need two, or choose a world with two and the layout of KITTI odometry");
-  const FolderLock lock = claim_folder(folder, options.force);
+  const bool raw = options.layout == KittiLayout::raw;
+  const fs::path drive = drive_path(world.stamp(options.selection.first));
+  const FolderLock lock =
+      raw ? claim_folder(folder, options.force, {drive / "image_00", drive / "oxts", drive / "closures.yaml"})
+          : claim_folder(folder, options.force, {"image_0", "image_1", "closures.yaml"});
   KittiSummary summary;
-  summary.recording = folder;
+  summary.recording = raw ? folder / drive : folder;
   std::unique_ptr<Lists> lists;
-  if (options.layout == KittiLayout::odometry) {
+  if (!raw) {
     lists = std::make_unique<OdometryLists>(world, folder, options.selection, options.stereo);
   } else {
-    const std::string date = date_text(world.stamp(options.selection.first)).substr(0, 10);
-    std::string day = date;
-    for (char& letter : day) letter = letter == '-' ? '_' : letter;
-    summary.recording = folder / day / (day + "_drive_0001_sync");
-    lists = std::make_unique<RawLists>(world, folder / day, summary.recording, options.selection);
+    lists = std::make_unique<RawLists>(world, summary.recording.parent_path(), summary.recording, options.selection);
   }
   std::atomic<std::uintmax_t> bytes{0};
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {

@@ -20,7 +20,7 @@ enum class KittiLayout {
 struct KittiOptions {
   std::int64_t frames = 400;
   KittiLayout layout = KittiLayout::odometry;
-  bool force = false;             ///< Write to a folder that is not empty.
+  bool force = false;             ///< Write to a folder that is not empty, in place of such a recording there.
   bool stereo = false;            ///< Also the right camera (odometry only). Throws Error for a world without one.
   FrameSelection selection = {};  ///< Which frames; their stamps are those of the world.
 };

@@ -158,12 +158,12 @@ class Mesh {
 
 }  // namespace
 
-std::string objects_text(const World& world) {
+std::string objects_text(const World& world, std::int64_t first) {
   std::string text =
       "# Lengths to measure in a map of this recording. Meters. Points are rough, in the frame of the first camera\n"
       "# (x right, y down, z forward); length_m is exact.\n"
       "frame: first_camera\nobjects:\n";
-  const SE3 camera_from_world = world.world_from_camera(0).inverse();
+  const SE3 camera_from_world = world.world_from_camera(first).inverse();
   for (const NamedLength& length : world.lengths()) {
     text += fmt::format("  - name: {}\n    length_m: {:.10g}\n    kind: edges\n", length.name, length.length_m);
     text += edge_text("a", length.a, length.face, camera_from_world);
@@ -172,9 +172,9 @@ std::string objects_text(const World& world) {
   return text;
 }
 
-std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file) {
-  Mesh mesh(world.world_from_camera(0).inverse());
-  const Scene scene = world.scene_at(0);
+std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file, std::int64_t first) {
+  Mesh mesh(world.world_from_camera(first).inverse());
+  const Scene scene = world.scene_at(first);
   for (const Surface& surface : scene.surfaces())
     mesh.add_face(scene.primitives()[surface.primitive], surface.face, mean_color(surface));
   for (const GlassSheet& sheet : scene.glass()) mesh.add_glass(sheet);

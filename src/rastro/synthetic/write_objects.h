@@ -9,12 +9,14 @@
 
 namespace rastro {
 
-/// The lengths of a world for `rastro measure --objects`: names, true lengths, and rough points on their edges, in the
-/// frame of the first camera (x right, y down, z forward) and only as precise as a person would mark them: to 2 cm.
-std::string objects_text(const World& world);
+// Both are in the frame of the recording's first camera: that of frame `first` of the world.
 
-/// All solids and panes of the world at time 0 as triangles, in the frame of the first camera, with the mean colors of
-/// their faces: binary PLY. Round solids have 48 sides. Returns the size; throws Error if it cannot be written.
-std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file);
+/// The lengths of a world for `rastro measure --objects`: names, true lengths, and rough points on their edges (x
+/// right, y down, z forward), only as precise as a person would mark them: to 2 cm.
+std::string objects_text(const World& world, std::int64_t first = 0);
+
+/// All solids and panes of the world at that frame as triangles, with the mean colors of their faces: binary PLY. Round
+/// solids have 48 sides. Returns the size; throws Error if it cannot be written.
+std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file, std::int64_t first = 0);
 
 }  // namespace rastro

@@ -87,7 +87,8 @@ std::string ground_truth_line(const World& world, std::int64_t frame) {
 TumSummary write_tum(const World& world, const fs::path& folder, const TumOptions& options, TaskPool& pool,
                      const std::function<void(std::int64_t)>& progress) {
   if (options.frames < 1) throw Error("there are no frames to write", "frames", "request at least one");
-  const FolderLock lock = claim_folder(folder, options.force);
+  const FolderLock lock =
+      claim_folder(folder, options.force, {"rgb", "depth", "objects.yaml", "truth.ply", "closures.yaml"});
   make_folder(folder / "rgb");
   make_folder(folder / "depth");
   TextFile(folder / "camera.yaml", camera_text(world.camera()));
@@ -100,8 +101,8 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   const auto depth_name_of = [&](std::int64_t frame) { return depth_stamp(frame) + ".png"; };
   std::atomic<std::uintmax_t> bytes{0};
   if (!world.lengths().empty()) {
-    TextFile(folder / "objects.yaml", objects_text(world));
-    bytes += write_ground_truth_mesh(world, folder / "truth.ply");
+    TextFile(folder / "objects.yaml", objects_text(world, options.selection.first));
+    bytes += write_ground_truth_mesh(world, folder / "truth.ply", options.selection.first);
   }
   const auto write_frame = [&](std::int64_t frame) {
     TaskPool alone(1);

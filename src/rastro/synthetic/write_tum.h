@@ -25,7 +25,7 @@ struct DepthModel {
 struct TumOptions {
   std::int64_t frames = 150;
   DepthModel depth = {};
-  bool force = false;  ///< Write to a folder that is not empty.
+  bool force = false;  ///< Write to a folder that is not empty, in place of such a recording there.
   /// The camera is covered from the first of these times to the second (seconds from the start): its images are black
   /// and without depth.
   std::optional<std::pair<double, double>> black = {};

@@ -44,13 +44,13 @@ std::vector<std::uint32_t> pairs_of(const SceneBlock& block, const std::string& 
 }
 
 /// Three keyframes along x, each with one scan of a wall at y = 2.
-Map planar_map() {
+Map planar_map(double step_m = 0.5) {
   Map map;
   map.method = "hector";
   map.sessions.push_back({0, 0, "/data/office/", 0, ns_per_second, {true, 0.0, "laser"}});
   auto scans = std::make_shared<ScanLayer>();
   for (int k = 0; k < 3; ++k) {
-    map.keyframes.push_back({k, k, k * ns_per_second, 0, SE3(SO3(), {0.5 * k, 0.0, 0.0}), k == 2 ? 1 : 0});
+    map.keyframes.push_back({k, k, k * ns_per_second, 0, SE3(SO3(), {step_m * k, 0.0, 0.0}), k == 2 ? 1 : 0});
     auto of_keyframe = std::make_shared<KeyframeScans>(1);
     for (int beam = -20; beam <= 20; ++beam) of_keyframe->front().points.emplace_back(0.1 * beam, 2.0);
     scans->of[k] = of_keyframe;
@@ -225,6 +225,20 @@ TEST(BuildScene, HasScansAndGridOfAPlanarMap) {
   ASSERT_EQ(positions.size(), 3 * rows.size());
   EXPECT_THAT(rows, Contains(1U));
   for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_FLOAT_EQ(positions[3 * k + 1], 2.0F);
+}
+
+/// The page takes no grid of more than 16384 cells a side: a long corridor has few cells, but many in a row.
+TEST(BuildScene, ALongGridIsCoarsenedUntilThePageTakesIt) {
+  const Map map = planar_map(900.0);
+  const auto fine = occupancy_grid_of(map);
+  ASSERT_GT(fine->width, 16384);
+  ASSERT_LT(static_cast<double>(fine->width) * fine->height, 16e6);
+  const std::string bytes = bytes_of(map);
+  const SceneBlock block(bytes);
+  const auto& grid = *block.layer("grid");
+  EXPECT_EQ(grid.at("width"), (fine->width + 1) / 2);
+  EXPECT_EQ(grid.at("height"), (fine->height + 1) / 2);
+  EXPECT_EQ(grid.at("cell"), 2.0 * fine->cell_m);
 }
 
 TEST(BuildScene, ShowsAllSubmapsOnRequest) {

@@ -13,7 +13,8 @@ namespace rastro::detail {
 namespace {
 
 constexpr std::uint8_t unknown_cell = 255, most_occupied = 254;
-constexpr double most_cells = 16e6;  // of a grid in the page
+// Of a grid in the page: cells, and along a side, as most graphics cards take them.
+constexpr double most_cells = 16e6, most_side = 16384.0;
 
 std::uint8_t cell_of(std::int8_t percent) {
   if (percent < 0) return unknown_cell;
@@ -88,7 +89,8 @@ void add_grid(const SceneJob& job, ViewScene& scene) {
   const auto grid = occupancy_grid_of(job.map, std::max(0, job.options.submap));
   if (!grid || grid->width == 0 || grid->height == 0) return;
   const double cells = static_cast<double>(grid->width) * grid->height;
-  const int factor = std::max(1, static_cast<int>(std::ceil(std::sqrt(cells / most_cells))));
+  const double times = std::max(std::sqrt(cells / most_cells), std::max(grid->width, grid->height) / most_side);
+  const int factor = std::max(1, static_cast<int>(std::ceil(times)));
   scene.layers.emplace_back(coarse_grid(*grid, factor));
 }
 

@@ -252,6 +252,22 @@ TEST(Upright, FindsTheFloorOfARoomForAnyWorldOrientation) {
   EXPECT_FALSE(find_upright(PointCloud(), cameras).floor_found);
 }
 
+TEST(Upright, APointFarBelowIsNoFloor) {
+  PointCloud cloud;
+  for (int k = 0; k < 400; ++k) {
+    CloudPoint& point = cloud.points.emplace_back();
+    point.position = {0.1F * static_cast<float>(k % 20), 0.1F * static_cast<float>(k / 20), -1.2F};
+    point.normal = {0.0F, 0.0F, 1.0F};
+  }
+  cloud.points.push_back(cloud.points.back());
+  cloud.points.back().position.z() = -1e6F;
+  Eigen::Matrix3d level;
+  level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Upright upright = find_upright(cloud, {{0, SE3(SO3::from_matrix(level), Vector3d::Zero())}});
+  EXPECT_TRUE(upright.floor_found);
+  EXPECT_NEAR((upright.upright_from_world * Vector3d::Zero()).z(), 1.2, 1e-6);
+}
+
 /// Its image's upper edge is ahead then.
 TEST(Upright, TheFirstCameraMayFaceTheFloor) {
   Eigen::Matrix3d level, downward;

@@ -21,6 +21,7 @@ constexpr std::size_t fewest_points = 200;  ///< Minimum number of points that d
 constexpr double bin_m = 0.02;
 constexpr double large_share = 0.25;  ///< Minimum size relative to the largest level plane below the cameras.
 constexpr double below_m = 0.2;       ///< Minimum height of the cameras above the floor.
+constexpr double deepest_m = 1000.0;  ///< Below the cameras; what lies deeper is an error.
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
@@ -59,11 +60,13 @@ std::optional<double> floor_height(const PointCloud& cloud, const Vector3d& up, 
   double lowest = highest;
   for (const CloudPoint& point : cloud.points)
     if (is_level(point, up)) lowest = std::min(lowest, point.position.cast<double>().dot(up));
-  const auto bins = static_cast<std::size_t>(std::clamp((highest - lowest) / bin_m, 0.0, 1e6));
+  lowest = std::max(lowest, highest - deepest_m);
+  const auto bins = static_cast<std::size_t>((highest - lowest) / bin_m);
   std::vector<std::size_t> counts(bins + 2, 0);
   for (const CloudPoint& point : cloud.points) {
     const double height = point.position.cast<double>().dot(up);
-    if (is_level(point, up) && height < highest) ++counts[static_cast<std::size_t>((height - lowest) / bin_m)];
+    if (is_level(point, up) && height >= lowest && height < highest)
+      ++counts[static_cast<std::size_t>((height - lowest) / bin_m)];
   }
   std::vector<std::size_t> near(counts.size(), 0);
   for (std::size_t k = 1; k + 1 < counts.size(); ++k) near[k] = counts[k - 1] + counts[k] + counts[k + 1];

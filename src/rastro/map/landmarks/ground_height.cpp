@@ -4,8 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/map/graph/sessions.h"
 #include "rastro/map/landmarks/jackknife.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/map/landmarks/map_scale.h"
@@ -88,7 +93,22 @@ std::optional<double> mode_of(const std::vector<Depression>& depressions) {
   return best;
 }
 
-/// By keyframe in the order of its frames; empty for those that do not face their direction of travel.
+/// Keyframes of submap 0 in the order of their frames, by session: each recording numbers its frames from 0.
+std::vector<std::vector<std::size_t>> paths_of(const Map& map) {
+  const auto sessions = sessions_of_keyframes(map);
+  std::map<std::optional<std::size_t>, std::vector<std::size_t>> by_session;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+    if (map.keyframes[k].submap == 0) by_session[sessions[k]].push_back(k);
+  std::vector<std::vector<std::size_t>> paths;
+  for (auto& [session, path] : by_session) {
+    std::stable_sort(path.begin(), path.end(),
+                     [&](std::size_t a, std::size_t b) { return map.keyframes[a].frame < map.keyframes[b].frame; });
+    paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
+/// By keyframe, session by session; empty for those that do not face their direction of travel.
 std::vector<std::vector<Depression>> depressions_of(const Map& map) {
   const auto layer = map.layer<LandmarkLayer>();
   if (!layer) return {};
@@ -97,16 +117,13 @@ std::vector<std::vector<Depression>> depressions_of(const Map& map) {
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     for (const LandmarkObservation& observation : landmarks[i].observations)
       if (const auto k = map.index_of(observation.keyframe)) seen[*k].push_back(static_cast<std::uint32_t>(i));
-  std::vector<std::size_t> path;
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-    if (map.keyframes[k].submap == 0) path.push_back(k);
-  std::stable_sort(path.begin(), path.end(),
-                   [&](std::size_t a, std::size_t b) { return map.keyframes[a].frame < map.keyframes[b].frame; });
-  std::vector<std::vector<Depression>> depressions(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const auto down = down_at(map, path[i > 0 ? i - 1 : 0], path[i], path[std::min(i + 1, path.size() - 1)]);
-    if (down) add_depressions(map, landmarks, path[i], *down, seen[path[i]], depressions[i]);
-  }
+  std::vector<std::vector<Depression>> depressions;
+  for (const std::vector<std::size_t>& path : paths_of(map))
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const auto down = down_at(map, path[i > 0 ? i - 1 : 0], path[i], path[std::min(i + 1, path.size() - 1)]);
+      std::vector<Depression>& of_keyframe = depressions.emplace_back();
+      if (down) add_depressions(map, landmarks, path[i], *down, seen[path[i]], of_keyframe);
+    }
   return depressions;
 }
 

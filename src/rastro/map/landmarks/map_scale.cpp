@@ -223,6 +223,17 @@ std::shared_ptr<const SemiDenseDepth> scaled(const SemiDenseDepth& depth, double
   return result;
 }
 
+Constraint scaled(const Constraint& constraint, double factor) {
+  const Sim3& pose = constraint.from_from_to;
+  Constraint result = constraint;
+  result.from_from_to = Sim3(pose.scale(), pose.rotation(), factor * pose.translation());
+  if (constraint.information.isIdentity()) return result;  // of a method that does not tell it
+  result.information.topLeftCorner<3, 3>() /= factor * factor;
+  result.information.topRightCorner<3, 3>() /= factor;
+  result.information.bottomLeftCorner<3, 3>() /= factor;
+  return result;
+}
+
 }  // namespace
 
 Vector3d fixed_point_of(const Map& map) {
@@ -244,9 +255,7 @@ Map scaled(const Map& map, const MapScaleFound& found) {
     keyframe.world_from_camera =
         SE3(keyframe.world_from_camera.rotation(), moved(keyframe.world_from_camera.translation()));
   for (MapFrame& frame : result.frames) frame.keyframe_from_camera = stretched(frame.keyframe_from_camera);
-  for (Constraint& each : result.constraints)
-    each.from_from_to =
-        Sim3(each.from_from_to.scale(), each.from_from_to.rotation(), factor * each.from_from_to.translation());
+  for (Constraint& each : result.constraints) each = scaled(each, factor);
   for (MapSession& session : result.sessions) session.scale = {true, found.relative_sigma, found.from};
   if (const auto semi_dense = map.layer<SemiDenseLayer>()) {
     auto depths = std::make_shared<SemiDenseLayer>();

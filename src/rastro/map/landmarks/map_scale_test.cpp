@@ -75,6 +75,26 @@ TEST(MapScale, SemiDenseDepthIsInMetersToo) {
   EXPECT_EQ(map.layer<SemiDenseLayer>()->of.at(3)->pixels[0].inverse_depth, 0.5F) << "the map itself stays";
 }
 
+/// What an error costs does not depend on the unit that it is in.
+TEST(MapScale, TheInformationOfAConstraintIsInMetersToo) {
+  Map map;
+  Constraint& known = map.constraints.emplace_back();
+  known.from_from_to = Sim3(1.0, SO3(), {1.0, 2.0, 3.0});
+  known.information.diagonal() << 9.0, 8.0, 7.0, 6.0, 5.0, 4.0;
+  known.information(0, 4) = known.information(4, 0) = 0.5;
+  map.constraints.push_back({.from = 1, .to = 2});
+  MapScaleFound found;
+  found.meters_per_unit = 4.0;
+  const Map in_meters = scaled(map, found);
+  const Vector6d error = (Vector6d() << 0.1, -0.2, 0.3, 0.04, -0.05, 0.06).finished();
+  Vector6d error_in_meters = error;
+  error_in_meters.head<3>() *= 4.0;
+  EXPECT_NEAR(error_in_meters.dot(in_meters.constraints[0].information * error_in_meters),
+              error.dot(map.constraints[0].information * error), 1e-12);
+  EXPECT_EQ(in_meters.constraints[0].from_from_to.translation(), Vector3d(4.0, 8.0, 12.0));
+  EXPECT_EQ(in_meters.constraints[1].information, Matrix6d::Identity()) << "it was not known";
+}
+
 /// Where the first keyframe is may have been given in meters.
 TEST(MapScale, TheFirstKeyframeStaysWhereItIs) {
   Map map;
@@ -240,6 +260,23 @@ TEST(CameraHeight, OnlySubmapZeroCountsInTheOrderOfItsFrames) {
   EXPECT_EQ(drive.found().measurements, 96);
   drive.map.keyframes[3].submap = 1;
   EXPECT_EQ(drive.found().measurements, 92);
+}
+
+/// Each recording numbers its frames from 0: the next frame of one is no neighbor of those of the other.
+TEST(CameraHeight, TheDirectionOfTravelIsThatOfTheSession) {
+  Drive drive;
+  drive.map.sessions.resize(2);
+  drive.map.sessions[1].session = 1;
+  const SO3 along_x = SO3::exp({0.0, 0.5 * std::numbers::pi, 0.0});
+  for (std::int64_t k = 0; k < 10; ++k) {
+    Keyframe& keyframe = drive.map.keyframes.emplace_back();
+    keyframe.id = keyframe_id({0, 1, k}), keyframe.frame = k;
+    keyframe.world_from_camera = SE3(along_x, {static_cast<double>(k), 0.0, 50.0});
+  }
+  drive.add(0.5, 1.0, 3.0, 4, 60);
+  drive.add(3.0, 1.0, -0.5, keyframe_id({0, 1, 4}), 60);
+  EXPECT_EQ(drive.found().measurements, 120);
+  EXPECT_NEAR(drive.found().meters_per_unit, height_m, 1e-9);
 }
 
 /// Sixteen keyframes whose ground is at slightly different heights; those from `begin` to `end` observe nothing.
