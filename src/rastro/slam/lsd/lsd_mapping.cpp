@@ -49,6 +49,7 @@ LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const
       features_(OrbOptions{}),
       stop_(context.stop),
       on_finishing_(context.on_finishing),
+      safe_{.archive = context.archive},
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
 void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
@@ -149,6 +150,17 @@ void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
   depths_.emplace(restored_keyframe(id));
   is_finished_ = true;
   change_ = {};
+}
+
+std::shared_ptr<const Map> LsdMapping::map_to_keep() {
+  constexpr double most_share = 0.05;  // of the time
+  if (safe_.archive == nullptr || safe_.snapshot_ms > most_share * safe_.since.elapsed_ms()) return nullptr;
+  if (is_stopped() || !safe_.archive->wants_map()) return nullptr;
+  Stopwatch watch;
+  auto map = graph_.snapshot(sensor_, &safe_.known);
+  safe_.snapshot_ms = watch.lap_ms();
+  safe_.since = Stopwatch();
+  return map;
 }
 
 void LsdMapping::finish(SlamUpdate& update) {

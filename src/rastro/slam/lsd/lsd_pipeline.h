@@ -56,6 +56,7 @@ class LsdPipeline {
     MapMemory memory;
     std::vector<SlamEvent> events;
     std::vector<StageTime> times;
+    std::shared_ptr<const Map> map_to_keep;  ///< Null: none is to be kept safe.
   };
   void take(Result result, LsdMotion& motion, SlamUpdate& update);
   void add_uncertainty(const Result& result);
@@ -66,6 +67,7 @@ class LsdPipeline {
 
   const LsdOptions& options_;
   bool is_metric_;
+  MapArchive* archive_;  ///< May be null.
   TaskPool mapping_pool_;
   LsdMapping mapping_;  ///< Belongs to the jobs while some are in flight.
   std::optional<MappedKeyframe> current_;

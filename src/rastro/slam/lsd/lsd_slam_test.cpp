@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "rastro/map/map_archive.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/synthetic/worlds/loop.h"
 
 namespace rastro {
@@ -107,6 +111,37 @@ TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k)
     EXPECT_EQ(a[k].world_from_body.matrix(), b[k].world_from_body.matrix()) << k;
+}
+
+class EagerArchive : public MapArchive {
+ public:
+  bool wants_map() const override { return true; }
+  void keep(std::shared_ptr<const Map> map) override { maps.push_back(std::move(map)); }
+  void add_images(KeyframeId, PackedImages) override {}
+  std::shared_ptr<const ImageStore> images() const override { return nullptr; }
+
+  std::vector<std::shared_ptr<const Map>> maps;
+};
+
+/// How often depends on the time that it takes, but the first frame that is mapped is there.
+TEST(LsdSlam, AKilledRunLeavesAMapAndNoResultDependsOnThat) {
+  constexpr int frames = 5;
+  WalkWithPair walk;
+  EagerArchive archive;
+  SlamContext kept_safe;
+  kept_safe.archive = &archive;
+  LsdSlam alone({}, walk.sensor(), {}), kept({}, walk.sensor(), kept_safe);
+  for (int k = 0; k < frames; ++k) {
+    const Frame frame = walk.frame(k);
+    ASSERT_EQ(alone.process(frame).world_from_body.matrix(), kept.process(frame).world_from_body.matrix()) << k;
+  }
+  ASSERT_FALSE(archive.maps.empty());
+  const Map& map = *archive.maps.front();
+  EXPECT_EQ(map.method, "lsd");
+  EXPECT_EQ(map.keyframes.size(), 1U);
+  EXPECT_EQ(map.frames.size(), 2U);
+  ASSERT_TRUE(map.layer<SemiDenseLayer>());
+  EXPECT_GT(map.layer<SemiDenseLayer>()->of.at(0)->pixels.size(), 100U);
 }
 
 /// To and fro between the same houses: the map is the same after every visit, and so are the poses.
