@@ -32,6 +32,8 @@ class LsdPipeline {
   /// A frame that was tracked on current().
   void map(std::shared_ptr<const LsdFrame> frame, const ImageAlignment& tracked, bool is_sure, const LsdMotion& motion,
            const SlamUpdate& update);
+  /// A frame that adds nothing but its pose: the next job does that.
+  void place(const PlacedFrame& frame) { waiting_.push_back(frame); }
   /// Waits; the results are not taken yet. The map may be read until the next map().
   const LsdMapping& settled();
 
@@ -75,7 +77,7 @@ class LsdPipeline {
   MapMemory memory_;
   int frames_on_current_ = 0;
   bool is_changing_ = false;          ///< The job of a keyframe is in flight.
-  std::vector<PlacedFrame> waiting_;  ///< Of a live run, whose jobs were dropped.
+  std::vector<PlacedFrame> waiting_;  ///< Without a job, or of a live run, whose jobs were dropped.
   FrameTime now_;
   Pipeline<Result> pipeline_;  ///< The last member: its jobs use what is above.
 };

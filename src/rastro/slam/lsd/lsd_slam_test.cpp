@@ -92,6 +92,29 @@ TEST(LsdSlam, AStepThatHardlyAnyCameraMakesIsWeak) {
   EXPECT_EQ(state_after_step(0.0).state, SlamState::tracking);
 }
 
+/// As where a camera's driver drops a frame; the motion goes on meanwhile.
+TEST(LsdSlam, ARepeatedImageHasTheLastPose) {
+  WalkWithPair walk;
+  LsdSlam slam({}, walk.sensor(), {});
+  SlamUpdate last;
+  for (int k = 0; k < 4; ++k) last = walk.process(slam, k);
+  Frame again = walk.frame(3);
+  again.index = 4;
+  again.stamp = walk.frame(4).stamp;
+  const SlamUpdate repeated = slam.process(again);
+  EXPECT_EQ(repeated.state, SlamState::weak) << "the camera may have moved on";
+  EXPECT_EQ(repeated.reason, SlamReason::repeated_frame);
+  EXPECT_LT((repeated.world_from_body.inverse() * last.world_from_body).log().norm(), 1e-3);
+  const SlamUpdate next = walk.process(slam, 5);
+  EXPECT_EQ(next.state, SlamState::tracking) << next.detail;
+  const Trajectory trajectory = slam.trajectory();
+  ASSERT_EQ(trajectory.size(), 6U);
+  EXPECT_EQ(trajectory[4].stamp, again.stamp);
+  again.stamp = walk.frame(2).stamp;
+  EXPECT_EQ(slam.process(again).state, SlamState::lost) << "a stamp that goes back";
+  EXPECT_EQ(slam.trajectory().size(), 6U);
+}
+
 /// Mapping beside tracking, or after it: its results are handed over at the same frames.
 TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   WalkWithPair walk;
