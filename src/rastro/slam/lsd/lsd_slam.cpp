@@ -270,9 +270,12 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
   motion_.lost = false;
   motion_.camera_from_keyframe = found->last_pose;
   accept(frame, found->tracked.alignment, update);
+  SlamUpdate doubted;
+  doubted.state = SlamState::tracking;
+  doubt(doubted);
   update.state = SlamState::relocalized;
-  update.reason = SlamReason::none;
-  update.detail.clear();
+  update.reason = doubted.reason;
+  update.detail = doubted.detail;
   update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id), found->id});
   start_.reset();
   return true;

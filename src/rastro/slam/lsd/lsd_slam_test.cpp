@@ -115,6 +115,26 @@ TEST(LsdSlam, ARepeatedImageHasTheLastPose) {
   EXPECT_EQ(slam.trajectory().size(), 6U);
 }
 
+TEST(LsdSlam, AFrameThatIsFoundAgainInASubmapApartSaysSo) {
+  constexpr int elsewhere = 300;
+  WalkWithPair walk;
+  LsdOptions options;
+  options.lost_frames = 1;
+  LsdSlam slam(options, walk.sensor(), {});
+  for (int k = 0; k < 2; ++k) walk.process(slam, k);
+  int number = elsewhere;
+  SlamUpdate update = walk.process(slam, number);
+  while (update.state == SlamState::lost && number < elsewhere + 5) update = walk.process(slam, ++number);
+  ASSERT_EQ(update.reason, SlamReason::apart) << "else nothing is tested";
+  Frame covered = walk.frame(++number);
+  covered.image = covered.right = GrayImage(covered.image.width(), covered.image.height());
+  ASSERT_EQ(slam.process(covered).state, SlamState::lost);
+  const SlamUpdate found = walk.process(slam, ++number);
+  EXPECT_EQ(found.state, SlamState::relocalized) << found.detail;
+  EXPECT_EQ(found.reason, SlamReason::apart);
+  EXPECT_FALSE(found.covariance);
+}
+
 /// Mapping beside tracking, or after it: its results are handed over at the same frames.
 TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   WalkWithPair walk;
