@@ -161,7 +161,7 @@ void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
   if (!camera_from_keyframe) return;
   mapping_.on_change(true);
   if (options_.start == "random" && !sensor_.is_metric()) convergence_.begin(mapping_.current().id());
-  doubt(update);
+  if (update.state != SlamState::lost) doubt(update);
   update.world_from_body = mapping_.pose_of(*camera_from_keyframe);
   motion_ = {};
   motion_.camera_from_keyframe = *camera_from_keyframe;
