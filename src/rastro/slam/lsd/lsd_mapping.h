@@ -66,7 +66,7 @@ class LsdMapping {
   /// The map that a killed run is to leave, if the archive wants one now; null: it does not, or making it took more
   /// than a twentieth of the time.
   std::shared_ptr<const Map> map_to_keep();
-  /// At the end: the last constraints; of one camera, all keyframes are adjusted together.
+  /// At the end: the last constraints; then all keyframes are adjusted together.
   void finish(SlamUpdate& update);
 
   bool has_keyframe() const { return depths_.has_value(); }

@@ -380,7 +380,7 @@ void add_refinement_options(OptionTable& table, LsdOptions& o) {
   table.add({"refine_iterations",
              &o.refine_iterations,
              "",
-             "of the photometric bundle adjustment of one camera's keyframes at the end, at most; 0: none",
+             "of the photometric bundle adjustment of all keyframes at the end, at most; 0: none",
              0,
              1000,
              {}});
