@@ -224,7 +224,7 @@ void add_variance_options(OptionTable& table, LsdOptions& o) {
              &o.max_depth_sigma,
              "",
              "depths less certain than this share of themselves (without surface_share) help to track but are left out "
-             "of the map; 0: none is",
+             "of the map; 0: none is. Clouds and views leave out those less certain than 0.1 (with surface_share)",
              0,
              100,
              {}});
