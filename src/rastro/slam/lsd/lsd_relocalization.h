@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/lsd_frame.h"
 #include "rastro/slam/lsd/pose_search.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/slam.h"
