@@ -51,7 +51,8 @@ bool LsdRelocalization::is_within_reach(const PlacedFrame& found, int missed) co
   const PlacedFrame& last = graph_.frames().back();
   if (graph_.submap(last.keyframe) != graph_.submap(found.keyframe)) return true;
   const double distance = (graph_.pose_of(found).translation() - graph_.pose_of(last).translation()).norm();
-  const double mean_distance = graph_.pose(found.keyframe).scale();
+  const double inverse = graph_.keyframe(found.keyframe).mean_inverse_depth;
+  const double mean_distance = graph_.pose(found.keyframe).scale() / (inverse > 0.0 ? inverse : 1.0);
   return distance <= mean_distance + graph_.reach_from(found.keyframe, options_.max_drift, missed);
 }
 

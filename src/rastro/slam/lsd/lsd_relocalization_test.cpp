@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -48,6 +49,21 @@ class LsdRelocalizationTest : public ::testing::Test {
   BagOfWords words_;
   SlamUpdate update_;
 };
+
+/// Two of 3.3 meters, which is the mean distance of what it shows, and not one meter.
+TEST_F(LsdRelocalizationTest, WhatIsFoundAsFarAwayAsTheViewReachesIsBelieved) {
+  words_.words = {{1, 0.5F}, {2, 0.5F}};
+  for (const double away_m : {2.0, 5.0}) {
+    graph_ = SemiDenseGraph(options_, true);
+    add_keyframe(0, SE3());
+    add_keyframe(1, SE3(SO3(), {away_m, 0.0, 0.0}));
+    graph_.add_words(0, words_);
+    graph_.add_frame({0, 0, 0, SE3()});
+    for (std::int64_t k = 1; k < 500; ++k) graph_.add_frame({k, k, 1, SE3()});
+    EXPECT_FALSE(look_for({SO3(), {0.02, 0.0, 0.0}}, 0, true));
+    EXPECT_EQ(update_.reason, away_m < 3.0 ? SlamReason::unconfirmed : SlamReason::not_found) << away_m;
+  }
+}
 
 TEST_F(LsdRelocalizationTest, OneFrameIsEnoughNextToTheLastPoseRightAfterTheLoss) {
   const SE3 nearby(SO3::exp({0.0, 0.01, 0.0}), {0.02, 0.0, 0.0});
