@@ -192,7 +192,7 @@ void LsdMapping::finish_keyframe(SlamUpdate& update) {
 void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
   const std::vector<Constraint> found = constraints_.find(id, words);
   const bool is_loop = add_constraints(found, update);
-  if (!found.empty()) graph_.optimize();
+  if (!found.empty()) graph_.optimize(is_loop ? std::nullopt : std::optional(id));
   if (is_loop && connect_before(id, update)) graph_.optimize();
 }
 

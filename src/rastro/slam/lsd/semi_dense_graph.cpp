@@ -153,14 +153,27 @@ void SemiDenseGraph::merge(const Constraint& edge) {
   }
 }
 
-void SemiDenseGraph::optimize() {
-  std::vector<std::uint8_t> fixed(poses_.size(), 0);
+/// The first keyframe of each submap, and those that are too far from `around`.
+std::vector<std::uint8_t> SemiDenseGraph::fixed_poses(const std::optional<std::int64_t>& around) const {
+  constexpr std::int64_t large = 150;
+  constexpr int steps = 30;
+  const bool has_window = around && size() > large;
+  std::vector<std::uint8_t> fixed(poses_.size(), has_window ? 1 : 0);
+  if (has_window) {
+    fixed[static_cast<std::size_t>(*around)] = 0;
+    for (const std::int64_t id : within_steps(*around, steps)) fixed[static_cast<std::size_t>(id)] = 0;
+  }
   std::vector<int> anchored;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     if (std::find(anchored.begin(), anchored.end(), submaps_[k]) != anchored.end()) continue;
     anchored.push_back(submaps_[k]);
     fixed[k] = 1;
   }
+  return fixed;
+}
+
+void SemiDenseGraph::optimize(std::optional<std::int64_t> around) {
+  const std::vector<std::uint8_t> fixed = fixed_poses(around);
   PoseGraphOptions options;
   options.iterations = options_.optimize_iterations;
   constexpr double scale_sigma = 0.01;  // of an alignment

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -78,7 +79,9 @@ class SemiDenseGraph {
   }
   /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
   void merge(const Constraint& edge);
-  void optimize();
+  /// All poses; or, in a large map, only those of the keyframes few steps of odometry from `around`: where no loop was
+  /// closed, nothing new is known of the others.
+  void optimize(std::optional<std::int64_t> around = std::nullopt);
   /// world_from_keyframe by keyframe.
   void set_poses(std::vector<Sim3> poses) {
     poses_ = std::move(poses);
@@ -126,6 +129,7 @@ class SemiDenseGraph {
   std::shared_ptr<const Map> snapshot(const LsdSensor& sensor, KnownMapDepths* known = nullptr) const;
 
  private:
+  std::vector<std::uint8_t> fixed_poses(const std::optional<std::int64_t>& around) const;
   int largest_submap() const;
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;

@@ -153,6 +153,22 @@ TEST(SemiDenseGraph, TheScaleIsAsUncertainAsWhatTellsItBest) {
   }
 }
 
+/// 31 poses instead of 199 to move, whatever the length of the walk.
+TEST(SemiDenseGraph, WithoutALoopThePosesFarAwayInALargeMapStay) {
+  const auto optimized = [](std::int64_t keyframes) {
+    SemiDenseGraph graph = graph_without_depths(true, keyframes, 1.1);
+    for (std::int64_t id = 1; id < keyframes; ++id) graph.add_edge(edge_of(id - 1, id, 1.0));
+    graph.optimize(keyframes - 1);
+    return graph;
+  };
+  const auto x_of = [](const SemiDenseGraph& graph, std::int64_t id) { return graph.pose(id).translation().x(); };
+  const SemiDenseGraph large = optimized(200);
+  EXPECT_EQ(x_of(large, 168), 168 * 1.1);
+  EXPECT_NEAR(x_of(large, 169), 168 * 1.1 + 1.0, 1e-3);
+  EXPECT_NEAR(x_of(large, 199), 168 * 1.1 + 31.0, 1e-3);
+  EXPECT_NEAR(x_of(optimized(150), 149), 149.0, 1e-3);
+}
+
 TEST(SemiDenseGraph, AnotherSubmapsScaleIsAsUncertainAsThatOfTheKeyframeItIsJoinedTo) {
   SemiDenseGraph graph = graph_without_depths(false, 2, 1.0);
   graph.add_edge(edge_of(0, 1, 1.0, 0.09));
