@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -185,6 +186,30 @@ TEST(LsdSlam, AKilledRunLeavesAMapAndNoResultDependsOnThat) {
   EXPECT_EQ(map.frames.size(), 2U);
   ASSERT_TRUE(map.layer<SemiDenseLayer>());
   EXPECT_GT(map.layer<SemiDenseLayer>()->of.at(0)->pixels.size(), 100U);
+}
+
+class FullDisk : public EagerArchive {
+ public:
+  void keep(std::shared_ptr<const Map>) override { throw std::runtime_error("no space left"); }
+};
+
+TEST(LsdSlam, AnArchiveThatFailsCostsNeitherTrajectoryNorMap) {
+  WalkWithPair walk;
+  FullDisk disk;
+  SlamContext context;
+  context.archive = &disk;
+  LsdSlam slam({}, walk.sensor(), context);
+  int failures = 0;
+  for (int k = 0; k < 5; ++k) {
+    try {
+      walk.process(slam, k);
+    } catch (const std::runtime_error&) {
+      ++failures;
+    }
+  }
+  EXPECT_GT(failures, 0);
+  EXPECT_GE(slam.trajectory().size(), 2U);
+  EXPECT_EQ(slam.snapshot()->keyframes.size(), 1U);
 }
 
 /// To and fro between the same houses: the map is the same after every visit, and so are the poses.
