@@ -14,7 +14,7 @@ namespace rastro {
 class MapArchive {
  public:
   virtual ~MapArchive() = default;
-  /// Whether a map given to keep() now would be written soon; if not, it need not be built.
+  /// Whether a map given to keep() now would be written soon; if not, it need not be built. Thread-safe.
   virtual bool wants_map() const = 0;
   /// Takes the current map, to be written in the background: never waits. Each replaces the previous one; about two per
   /// second are written.

@@ -50,12 +50,16 @@ class SemiDenseLayerType : public KeyframeLayerType<SemiDenseLayer, SemiDenseDep
   }
 
   void add_points(const Map& map, const Layer& layer, int submap, std::size_t most, PointCloud& cloud) const override {
+    const auto keyframe_of = [&](KeyframeId id) {
+      const Keyframe* keyframe = map.cameras.empty() ? nullptr : map.find(id);
+      return keyframe && (submap < 0 || keyframe->submap == submap) ? keyframe : nullptr;
+    };
     std::size_t pixels = 0;
-    for (const auto& [id, depth] : typed(layer).of) pixels += depth->pixels.size();
+    for (const auto& [id, depth] : typed(layer).of) pixels += keyframe_of(id) ? depth->pixels.size() : 0;
     const std::size_t step = 1 + (pixels > 0 ? (pixels - 1) / std::max<std::size_t>(1, most) : 0);
     for (const auto& [id, depth] : typed(layer).of) {
-      const Keyframe* keyframe = map.find(id);
-      if (!keyframe || map.cameras.empty() || (submap >= 0 && keyframe->submap != submap)) continue;
+      const Keyframe* keyframe = keyframe_of(id);
+      if (!keyframe) continue;
       const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)].intrinsics;
       for (std::size_t k = 0; k < depth->pixels.size(); k += step) {
         const SemiDenseDepth::Pixel& pixel = depth->pixels[k];

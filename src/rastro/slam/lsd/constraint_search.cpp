@@ -114,12 +114,14 @@ SimilarityAlignment ConstraintSearch::align_to(const Prepared& b, const Prepared
   SimilarityAlignmentOptions options;
   options.coarsest_level = options_.levels - 1;
   options.min_overlap = options_.min_constraint_overlap;
+  options.noise.intensity_sigma = options_.intensity_sigma;
   options.fix_scale = sensor_.is_metric();
   return align_similarity(a.reference, {b.pyramid, b.reference.depth()}, b_from_a, options);
 }
 
 bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const {
-  const SimilarityAlignmentOptions alignment;
+  SimilarityAlignmentOptions alignment;
+  alignment.noise.intensity_sigma = options_.intensity_sigma;
   const ImageAlignmentOptions tracking;
   const int level = std::min(alignment.finest_level, options_.levels - 1);
   const SE3 in_unit_of_a(b_from_a.rotation(), b_from_a.translation() / b_from_a.scale());

@@ -11,6 +11,7 @@ ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_fro
   ImageAlignmentOptions options;
   options.coarsest_level = coarsest_level;
   options.min_overlap = options_->min_overlap;
+  options.noise.intensity_sigma = options_->intensity_sigma;
   return align_image(*reference_, image, image_from_keyframe, options, pool_);
 }
 

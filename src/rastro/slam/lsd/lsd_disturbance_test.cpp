@@ -47,7 +47,8 @@ const std::vector<GrayImage>& walked_images() {
 }
 
 /// `image_of` gives the image of a frame.
-DisturbedRun run_with(const std::function<GrayImage(int)>& image_of, const std::string& assignment = {}) {
+DisturbedRun run_with(const std::function<GrayImage(int)>& image_of, const std::string& assignment = {},
+                      int count = frames) {
   testing::AlignmentRoom room;
   SourceInfo info;
   info.path = "room";
@@ -56,7 +57,7 @@ DisturbedRun run_with(const std::function<GrayImage(int)>& image_of, const std::
   if (!assignment.empty()) method->options().set_assignment(assignment, "test");
   const auto slam = method->make(info, {});
   DisturbedRun run;
-  for (int k = 0; k < frames; ++k) {
+  for (int k = 0; k < count; ++k) {
     Frame frame;
     frame.index = k;
     frame.stamp = static_cast<TimeNs>(k / rate_hz * 1e9);
@@ -96,6 +97,20 @@ TEST(LsdDisturbance, ExposureThatDoublesAndHalvesIsTracked) {
   });
   EXPECT_EQ(run.count(SlamState::tracking, 35, frames), frames - 35);
   EXPECT_LT(largest_error(run), 0.03);
+}
+
+/// No frame is certain enough: the one at which the map begins has no pose of its own, and says so.
+TEST(LsdDisturbance, AFrameThatDoesNotFitTheMapThatItBeginsIsNotTracked) {
+  constexpr int count = 35;
+  const DisturbedRun run =
+      run_with([](int k) { return walked_images()[static_cast<std::size_t>(k)]; }, "trusted_sigma=0", count);
+  const auto begins_map = [](const SlamUpdate& update) { return !update.events.empty(); };
+  const auto first = std::find_if(run.updates.begin(), run.updates.end(), begins_map);
+  ASSERT_NE(first, run.updates.end());
+  EXPECT_EQ(first->events.front().kind, "keyframe");
+  EXPECT_EQ(first->state, SlamState::lost);
+  EXPECT_EQ(first->reason, SlamReason::poor_match);
+  EXPECT_EQ(run.count(SlamState::tracking, 0, count), 0);
 }
 
 TEST(LsdDisturbance, ACoveredCameraIsLostAndBackWithinASecond) {

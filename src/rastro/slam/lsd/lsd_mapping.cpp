@@ -49,6 +49,7 @@ LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const
       features_(OrbOptions{}),
       stop_(context.stop),
       on_finishing_(context.on_finishing),
+      safe_{.archive = context.archive},
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
 void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
@@ -151,6 +152,17 @@ void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
   change_ = {};
 }
 
+std::shared_ptr<const Map> LsdMapping::map_to_keep() {
+  constexpr double most_share = 0.05;  // of the time
+  if (safe_.archive == nullptr || safe_.snapshot_ms > most_share * safe_.since.elapsed_ms()) return nullptr;
+  if (is_stopped() || !safe_.archive->wants_map()) return nullptr;
+  Stopwatch watch;
+  auto map = graph_.snapshot(sensor_, &safe_.known);
+  safe_.snapshot_ms = watch.lap_ms();
+  safe_.since = Stopwatch();
+  return map;
+}
+
 void LsdMapping::finish(SlamUpdate& update) {
   if (!depths_) return;
   finish_keyframe(update);
@@ -180,7 +192,7 @@ void LsdMapping::finish_keyframe(SlamUpdate& update) {
 void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
   const std::vector<Constraint> found = constraints_.find(id, words);
   const bool is_loop = add_constraints(found, update);
-  if (!found.empty()) graph_.optimize();
+  if (!found.empty()) graph_.optimize(is_loop ? std::nullopt : std::optional(id));
   if (is_loop && connect_before(id, update)) graph_.optimize();
 }
 

@@ -8,11 +8,13 @@
 #include <optional>
 #include <utility>
 
+#include "rastro/base/stopwatch.h"
 #include "rastro/feature/orb.h"
 #include "rastro/place/vocabulary.h"
 #include "rastro/slam/lsd/constraint_search.h"
 #include "rastro/slam/lsd/keyframe_depths.h"
 #include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/map_depths.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
@@ -61,7 +63,10 @@ class LsdMapping {
   /// The camera was found again in an earlier keyframe, which goes on.
   void return_to(std::int64_t id, SlamUpdate& update);
   void add_frame(const PlacedFrame& frame) { graph_.add_frame(frame); }
-  /// At the end: the last constraints; of one camera, all keyframes are adjusted together.
+  /// The map that a killed run is to leave, if the archive wants one now; null: it does not, or making it took more
+  /// than a twentieth of the time.
+  std::shared_ptr<const Map> map_to_keep();
+  /// At the end: the last constraints; then all keyframes are adjusted together.
   void finish(SlamUpdate& update);
 
   bool has_keyframe() const { return depths_.has_value(); }
@@ -82,6 +87,14 @@ class LsdMapping {
     Sim3 before_from_new;
     double gain = 1.0, offset = 0.0;  ///< Intensity in the new one = gain * intensity before + offset.
     double share_of_new = 0.0;        ///< Of its view, that was not in that of the one before.
+  };
+
+  /// What a killed run leaves. Only that may depend on time.
+  struct Safe {
+    const MapArchive* archive = nullptr;  ///< Null: nothing is kept safe.
+    KnownMapDepths known = {};
+    Stopwatch since = {};      ///< The last map was made.
+    double snapshot_ms = 0.0;  ///< Time that it took.
   };
 
   Sim3 change_keyframe(const MappingInput& input, SlamUpdate& update);
@@ -110,6 +123,7 @@ class LsdMapping {
   std::optional<SubmapJoint> joint_;
   const std::atomic<bool>* stop_;  ///< The run is interrupted: what is optional is left out. May be null.
   StepsShown on_finishing_;
+  Safe safe_;
   std::size_t budget_bytes_;    ///< 0: none.
   std::int64_t forgotten_ = 0;  ///< Keyframes without depths.
 };

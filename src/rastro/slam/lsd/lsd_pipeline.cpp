@@ -30,6 +30,7 @@ LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, con
                          const SlamContext& context)
     : options_(options),
       is_metric_(sensor.is_metric()),
+      archive_(context.archive),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
       uncertainty_(errors_of_depth(sensor, options)),
@@ -71,6 +72,8 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
   memory_ = std::move(result.memory);
   update.events.insert(update.events.end(), result.events.begin(), result.events.end());
   for (const StageTime& time : result.times) add_time(time, update.times);
+  // Not by the job: what the archive throws, as on a full disk, would cost all that mapping has.
+  if (result.map_to_keep) archive_->keep(std::move(result.map_to_keep));
 }
 
 void LsdPipeline::add_uncertainty(const Result& result) {
@@ -120,8 +123,9 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
     for (const PlacedFrame& earlier : waiting) mapping_.add_frame(earlier);
     SlamUpdate said;
     const auto before_from_new = mapping_.process(input, said);
-    return Result{mapping_.current(),     before_from_new,      placed, mapping_.take_joint(), mapping_.memory(),
-                  std::move(said.events), std::move(said.times)};
+    return Result{mapping_.current(),    before_from_new,       placed,
+                  mapping_.take_joint(), mapping_.memory(),     std::move(said.events),
+                  std::move(said.times), mapping_.map_to_keep()};
   };
   pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
 }

@@ -32,6 +32,8 @@ class LsdPipeline {
   /// A frame that was tracked on current().
   void map(std::shared_ptr<const LsdFrame> frame, const ImageAlignment& tracked, bool is_sure, const LsdMotion& motion,
            const SlamUpdate& update);
+  /// A frame that adds nothing but its pose: the next job does that.
+  void place(const PlacedFrame& frame) { waiting_.push_back(frame); }
   /// Waits; the results are not taken yet. The map may be read until the next map().
   const LsdMapping& settled();
 
@@ -56,6 +58,7 @@ class LsdPipeline {
     MapMemory memory;
     std::vector<SlamEvent> events;
     std::vector<StageTime> times;
+    std::shared_ptr<const Map> map_to_keep;  ///< Null: none is to be kept safe.
   };
   void take(Result result, LsdMotion& motion, SlamUpdate& update);
   void add_uncertainty(const Result& result);
@@ -66,6 +69,7 @@ class LsdPipeline {
 
   const LsdOptions& options_;
   bool is_metric_;
+  MapArchive* archive_;  ///< May be null.
   TaskPool mapping_pool_;
   LsdMapping mapping_;  ///< Belongs to the jobs while some are in flight.
   std::optional<MappedKeyframe> current_;
@@ -73,7 +77,7 @@ class LsdPipeline {
   MapMemory memory_;
   int frames_on_current_ = 0;
   bool is_changing_ = false;          ///< The job of a keyframe is in flight.
-  std::vector<PlacedFrame> waiting_;  ///< Of a live run, whose jobs were dropped.
+  std::vector<PlacedFrame> waiting_;  ///< Without a job, or of a live run, whose jobs were dropped.
   FrameTime now_;
   Pipeline<Result> pipeline_;  ///< The last member: its jobs use what is above.
 };

@@ -37,9 +37,7 @@ bool LsdRelocalization::begin_near(const LsdFrame& frame, const CurrentKeyframe&
                                    const PoseSearch& search) {
   const JudgedAlignment tracked = search.track(current, frame.pyramid, {last.camera_from_keyframe, SE3(), last.missed});
   if (tracked.verdict.grade != PoseGrade::tracking) return false;
-  // The camera went on meanwhile.
-  const double reach_deg = options_.max_jump_deg * (last.missed + 1);
-  const bool is_near = last.missed <= short_loss && tracked.jump_deg <= reach_deg;
+  const bool is_near = last.missed <= short_loss && tracked.jump_deg <= options_.max_jump_deg;
   hypothesis_.emplace(Hypothesis{std::nullopt, current.id(), {}, {}, {}, search, is_near});
   add(frame, tracked);
   return true;
@@ -51,7 +49,8 @@ bool LsdRelocalization::is_within_reach(const PlacedFrame& found, int missed) co
   const PlacedFrame& last = graph_.frames().back();
   if (graph_.submap(last.keyframe) != graph_.submap(found.keyframe)) return true;
   const double distance = (graph_.pose_of(found).translation() - graph_.pose_of(last).translation()).norm();
-  const double mean_distance = graph_.pose(found.keyframe).scale();
+  const double inverse = graph_.keyframe(found.keyframe).mean_inverse_depth;
+  const double mean_distance = graph_.pose(found.keyframe).scale() / (inverse > 0.0 ? inverse : 1.0);
   return distance <= mean_distance + graph_.reach_from(found.keyframe, options_.max_drift, missed);
 }
 

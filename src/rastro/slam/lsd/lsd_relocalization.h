@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/lsd_frame.h"
 #include "rastro/slam/lsd/pose_search.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/slam.h"
@@ -15,7 +16,7 @@ namespace rastro {
 
 /// Finds a lost camera again: near its last pose, or in the keyframes that share most visual words with the frame. What
 /// it finds is a hypothesis until several frames in a row follow it without doubt: one frame may fit a wrong keyframe.
-/// Only next to the last pose, right after the loss, one is enough.
+/// Only next to the last pose, right after the loss, one is enough: at most max_jump_deg farther with each frame.
 class LsdRelocalization {
  public:
   using MakeKeyframe = std::function<CurrentKeyframe(std::int64_t id)>;

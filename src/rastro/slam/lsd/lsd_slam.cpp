@@ -34,6 +34,7 @@ class LsdSlam::State {
   using SharedFrame = std::shared_ptr<const LsdFrame>;
   bool is_usable(const Frame& frame, SlamUpdate& update);
   void on_unusable_frame();
+  void repeat_pose(const Frame& frame, SlamUpdate& update);
   void start(const LsdFrame& frame, SlamUpdate& update);
   void check_convergence(const LsdFrame& frame, SlamUpdate& update);
   void doubt(SlamUpdate& update) const;
@@ -61,6 +62,7 @@ class LsdSlam::State {
   LsdRelocalization relocalization_;
   MotionCheck motion_check_;
   int implausible_frames_ = 0;  ///< In a row.
+  bool has_pose_ = false;       ///< The last frame.
   SE3 last_pose_;               ///< world_from_camera
 };
 
@@ -101,6 +103,7 @@ SlamUpdate LsdSlam::State::process(const Frame& frame) {
   const bool is_plausible = check_motion(update);
   if (followed)
     mapping_.map(undistorted_frame, followed->alignment, followed->is_sure && is_plausible, motion_, update);
+  has_pose_ = update.state != SlamState::initializing && update.state != SlamState::lost;
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();
@@ -112,7 +115,9 @@ SlamUpdate LsdSlam::State::process(const Frame& frame) {
 bool LsdSlam::State::check_motion(SlamUpdate& update) {
   constexpr int frames_of_jump = 3;
   motion_check_.follow(std::exchange(motion_.map_moved, SE3()));
-  motion_check_.check(update);
+  // Else the camera would seem to stop, and then to jump.
+  const bool is_repeated = update.state == SlamState::weak && update.reason == SlamReason::repeated_frame;
+  if (!is_repeated) motion_check_.check(update);
   const bool is_implausible = update.reason == SlamReason::implausible_motion;
   implausible_frames_ = is_implausible ? implausible_frames_ + 1 : 0;
   return implausible_frames_ == 0 || implausible_frames_ > frames_of_jump;
@@ -125,8 +130,20 @@ bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
   if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
   update.state = mapping_.has_keyframe() ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
-  if (checked.reason != OdometryReason::repeated_frame) on_unusable_frame();
+  const bool shows_the_same = checked.difference >= 0.0;  // not measured where the stamp goes back
+  if (checked.reason != OdometryReason::repeated_frame)
+    on_unusable_frame();
+  else if (has_pose_ && shows_the_same)
+    repeat_pose(frame, update);
   return false;
+}
+
+/// The camera may have moved on, which the same image does not say.
+void LsdSlam::State::repeat_pose(const Frame& frame, SlamUpdate& update) {
+  const SE3& pose = motion_.camera_from_keyframe;
+  mapping_.place({frame.index, frame.stamp, mapping_.current().id(), pose.inverse()});
+  update.state = SlamState::weak;
+  update.world_from_body = mapping_.pose_of(pose);
 }
 
 /// The camera moves on unseen. That alone is no reason for a new submap: it may be covered for long.
@@ -144,7 +161,7 @@ void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
   if (!camera_from_keyframe) return;
   mapping_.on_change(true);
   if (options_.start == "random" && !sensor_.is_metric()) convergence_.begin(mapping_.current().id());
-  doubt(update);
+  if (update.state != SlamState::lost) doubt(update);
   update.world_from_body = mapping_.pose_of(*camera_from_keyframe);
   motion_ = {};
   motion_.camera_from_keyframe = *camera_from_keyframe;
@@ -253,9 +270,12 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
   motion_.lost = false;
   motion_.camera_from_keyframe = found->last_pose;
   accept(frame, found->tracked.alignment, update);
+  SlamUpdate doubted;
+  doubted.state = SlamState::tracking;
+  doubt(doubted);
   update.state = SlamState::relocalized;
-  update.reason = SlamReason::none;
-  update.detail.clear();
+  update.reason = doubted.reason;
+  update.detail = doubted.detail;
   update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id), found->id});
   start_.reset();
   return true;

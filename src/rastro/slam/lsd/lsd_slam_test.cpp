@@ -4,8 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "rastro/map/map_archive.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/synthetic/worlds/loop.h"
 
 namespace rastro {
@@ -88,6 +93,49 @@ TEST(LsdSlam, AStepThatHardlyAnyCameraMakesIsWeak) {
   EXPECT_EQ(state_after_step(0.0).state, SlamState::tracking);
 }
 
+/// As where a camera's driver drops a frame; the motion goes on meanwhile.
+TEST(LsdSlam, ARepeatedImageHasTheLastPose) {
+  WalkWithPair walk;
+  LsdSlam slam({}, walk.sensor(), {});
+  SlamUpdate last;
+  for (int k = 0; k < 4; ++k) last = walk.process(slam, k);
+  Frame again = walk.frame(3);
+  again.index = 4;
+  again.stamp = walk.frame(4).stamp;
+  const SlamUpdate repeated = slam.process(again);
+  EXPECT_EQ(repeated.state, SlamState::weak) << "the camera may have moved on";
+  EXPECT_EQ(repeated.reason, SlamReason::repeated_frame);
+  EXPECT_LT((repeated.world_from_body.inverse() * last.world_from_body).log().norm(), 1e-3);
+  const SlamUpdate next = walk.process(slam, 5);
+  EXPECT_EQ(next.state, SlamState::tracking) << next.detail;
+  const Trajectory trajectory = slam.trajectory();
+  ASSERT_EQ(trajectory.size(), 6U);
+  EXPECT_EQ(trajectory[4].stamp, again.stamp);
+  again.stamp = walk.frame(2).stamp;
+  EXPECT_EQ(slam.process(again).state, SlamState::lost) << "a stamp that goes back";
+  EXPECT_EQ(slam.trajectory().size(), 6U);
+}
+
+TEST(LsdSlam, AFrameThatIsFoundAgainInASubmapApartSaysSo) {
+  constexpr int elsewhere = 300;
+  WalkWithPair walk;
+  LsdOptions options;
+  options.lost_frames = 1;
+  LsdSlam slam(options, walk.sensor(), {});
+  for (int k = 0; k < 2; ++k) walk.process(slam, k);
+  int number = elsewhere;
+  SlamUpdate update = walk.process(slam, number);
+  while (update.state == SlamState::lost && number < elsewhere + 5) update = walk.process(slam, ++number);
+  ASSERT_EQ(update.reason, SlamReason::apart) << "else nothing is tested";
+  Frame covered = walk.frame(++number);
+  covered.image = covered.right = GrayImage(covered.image.width(), covered.image.height());
+  ASSERT_EQ(slam.process(covered).state, SlamState::lost);
+  const SlamUpdate found = walk.process(slam, ++number);
+  EXPECT_EQ(found.state, SlamState::relocalized) << found.detail;
+  EXPECT_EQ(found.reason, SlamReason::apart);
+  EXPECT_FALSE(found.covariance);
+}
+
 /// Mapping beside tracking, or after it: its results are handed over at the same frames.
 TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   WalkWithPair walk;
@@ -107,6 +155,61 @@ TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k)
     EXPECT_EQ(a[k].world_from_body.matrix(), b[k].world_from_body.matrix()) << k;
+}
+
+class EagerArchive : public MapArchive {
+ public:
+  bool wants_map() const override { return true; }
+  void keep(std::shared_ptr<const Map> map) override { maps.push_back(std::move(map)); }
+  void add_images(KeyframeId, PackedImages) override {}
+  std::shared_ptr<const ImageStore> images() const override { return nullptr; }
+
+  std::vector<std::shared_ptr<const Map>> maps;
+};
+
+/// How often depends on the time that it takes, but the first frame that is mapped is there.
+TEST(LsdSlam, AKilledRunLeavesAMapAndNoResultDependsOnThat) {
+  constexpr int frames = 5;
+  WalkWithPair walk;
+  EagerArchive archive;
+  SlamContext kept_safe;
+  kept_safe.archive = &archive;
+  LsdSlam alone({}, walk.sensor(), {}), kept({}, walk.sensor(), kept_safe);
+  for (int k = 0; k < frames; ++k) {
+    const Frame frame = walk.frame(k);
+    ASSERT_EQ(alone.process(frame).world_from_body.matrix(), kept.process(frame).world_from_body.matrix()) << k;
+  }
+  ASSERT_FALSE(archive.maps.empty());
+  const Map& map = *archive.maps.front();
+  EXPECT_EQ(map.method, "lsd");
+  EXPECT_EQ(map.keyframes.size(), 1U);
+  EXPECT_EQ(map.frames.size(), 2U);
+  ASSERT_TRUE(map.layer<SemiDenseLayer>());
+  EXPECT_GT(map.layer<SemiDenseLayer>()->of.at(0)->pixels.size(), 100U);
+}
+
+class FullDisk : public EagerArchive {
+ public:
+  void keep(std::shared_ptr<const Map>) override { throw std::runtime_error("no space left"); }
+};
+
+TEST(LsdSlam, AnArchiveThatFailsCostsNeitherTrajectoryNorMap) {
+  WalkWithPair walk;
+  FullDisk disk;
+  SlamContext context;
+  context.archive = &disk;
+  LsdSlam slam({}, walk.sensor(), context);
+  int failures = 0;
+  for (int k = 0; k < 5; ++k) {
+    try {
+      walk.process(slam, k);
+    } catch (const std::runtime_error&) {
+      ++failures;
+    }
+  }
+  EXPECT_GT(failures, 0);
+  EXPECT_GE(slam.trajectory().size(), 2U);
+  EXPECT_EQ(slam.snapshot()->keyframes.size(), 1U);
 }
 
 /// To and fro between the same houses: the map is the same after every visit, and so are the poses.

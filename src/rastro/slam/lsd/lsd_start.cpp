@@ -62,22 +62,29 @@ std::optional<SE3> LsdStart::from_two_views(const LsdFrame& frame, LsdMapping& m
   const TwoViewStart::KeptFrame& first = two_views_.frames()[found->first];
   const LsdFrame first_frame = frames_.from_image(first.index, first.stamp, first.image, first.mask);
   mapping.begin_map({options_, sensor_, mapping.pools(), mapping.graph().size(), first_frame, &found->depth}, update);
-  const SE3 pose = follow_kept_frames(found->first, mapping, search);
+  const FollowedFrames followed = follow_kept_frames(found->first, mapping, search);
   two_views_.reset();
   set_tracking(update);
-  return pose;
+  if (followed.newest) return followed.last;
+  update.state = SlamState::lost;
+  update.reason = SlamReason::poor_match;
+  update.detail = "the map begins with earlier frames; this one does not fit";
+  return followed.last;
 }
 
 /// Those since the first view, and those right before it as long as they fit without doubt and need no keyframe of
-/// their own, in the order of the recording. Returns the pose of the last one.
-SE3 LsdStart::follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSearch& search) {
+/// their own, in the order of the recording.
+LsdStart::FollowedFrames LsdStart::follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSearch& search) {
   const auto& kept = two_views_.frames();
   search.remember(mapping.depths().current().pyramid());
   PoseSearch backward = search;
   std::vector<PlacedFrame> placed{{kept[first].index, kept[first].stamp, mapping.depths().id(), SE3()}};
-  SE3 last;
-  for (std::size_t k = first + 1; k < kept.size(); ++k)
-    if (const auto pose = follow_kept(k, last, mapping, search, false, placed)) last = *pose;
+  FollowedFrames followed;
+  for (std::size_t k = first + 1; k < kept.size(); ++k) {
+    const auto pose = follow_kept(k, followed.last, mapping, search, false, placed);
+    followed.newest = pose.has_value();
+    if (pose) followed.last = *pose;
+  }
   SE3 before;
   for (std::size_t k = first; k-- > 0;) {
     const auto pose = follow_kept(k, before, mapping, backward, true, placed);
@@ -86,7 +93,7 @@ SE3 LsdStart::follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSea
   }
   std::sort(placed.begin(), placed.end(), [](const PlacedFrame& a, const PlacedFrame& b) { return a.index < b.index; });
   for (const PlacedFrame& frame : placed) mapping.add_frame(frame);
-  return last;
+  return followed;
 }
 
 std::optional<SE3> LsdStart::follow_kept(std::size_t k, const SE3& guess, LsdMapping& mapping, PoseSearch& search,

@@ -23,8 +23,9 @@ class LsdStart {
   /// Options, sensor and frames outlive this.
   LsdStart(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames, TaskPool* pool);
 
-  /// The next frame without a map. Once a new submap has begun: the frame's pose relative to its first keyframe. The
-  /// search remembers the last frame that was tracked.
+  /// The next frame without a map. Once a new submap has begun: the frame's pose relative to its first keyframe, or,
+  /// where the frame does not fit and the update says `lost`, that of the last one before that does. The search
+  /// remembers the last frame that was tracked.
   std::optional<SE3> take(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
   /// The camera was found elsewhere.
   void reset() { two_views_.reset(); }
@@ -34,7 +35,11 @@ class LsdStart {
   std::optional<SE3> from_sensor(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
   static SE3 from_one_frame(const LsdFrame& frame, KeyframeDepths first, LsdMapping& mapping, PoseSearch& search,
                             SlamUpdate& update);
-  SE3 follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSearch& search);
+  struct FollowedFrames {
+    SE3 last;             ///< Pose of the last one that fits.
+    bool newest = false;  ///< Whether that is the newest one.
+  };
+  FollowedFrames follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSearch& search);
   std::optional<SE3> follow_kept(std::size_t k, const SE3& guess, LsdMapping& mapping, PoseSearch& search,
                                  bool is_before, std::vector<PlacedFrame>& placed) const;
 

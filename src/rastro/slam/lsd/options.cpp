@@ -224,7 +224,7 @@ void add_variance_options(OptionTable& table, LsdOptions& o) {
              &o.max_depth_sigma,
              "",
              "depths less certain than this share of themselves (without surface_share) help to track but are left out "
-             "of the map; 0: none is",
+             "of the map; 0: none is. Clouds and views leave out those less certain than 0.1 (with surface_share)",
              0,
              100,
              {}});
@@ -380,7 +380,7 @@ void add_refinement_options(OptionTable& table, LsdOptions& o) {
   table.add({"refine_iterations",
              &o.refine_iterations,
              "",
-             "of the photometric bundle adjustment of one camera's keyframes at the end, at most; 0: none",
+             "of the photometric bundle adjustment of all keyframes at the end, at most; 0: none",
              0,
              1000,
              {}});

@@ -2,6 +2,7 @@
 #include "rastro/slam/lsd/pose_search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "rastro/slam/lsd/tracking/rotation_search.h"
 
@@ -28,12 +29,19 @@ double distance_between(const SE3& a_from_keyframe, const SE3& b_from_keyframe) 
 
 }  // namespace
 
-/// The finest level that is not wider than this: a shift by one of its pixels is about a degree or two.
+/// The finest level that is not wider than this: a shift by one of its pixels is about a degree or two. All shifts of
+/// 128 x 96 pixels take 0.2 s, and sixteen times as long for twice the width.
 PoseSearch::SmallImage PoseSearch::small_of(const Pyramid& image) {
-  constexpr int most = 48;
+  constexpr int most = 48, most_where_levels_end = 128, least_height = 16;
   int level = 0;
   while (level + 1 < image.levels() && image.level(level).width() > most) ++level;
-  return {image.level(level), level};
+  SmallImage small{image.level(level), level};
+  while (small.image.width() > most_where_levels_end && small.image.height() >= least_height) {
+    PaddedImage halved;
+    halve(small.image, halved);
+    small = {std::move(halved), small.level + 1};
+  }
+  return small;
 }
 
 SE3 PoseSearch::rotation_between(const SmallImage& a, const SmallImage& b) const {

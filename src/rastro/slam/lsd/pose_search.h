@@ -26,7 +26,7 @@ struct ExpectedMotion {
 struct JudgedAlignment {
   ImageAlignment alignment;
   PoseVerdict verdict;
-  double jump_deg = 0.0;  ///< View change from what was expected.
+  double jump_deg = 0.0;  ///< View change from what was expected, of each frame: the camera went on in those missed.
 };
 
 /// Aligns a frame with a keyframe from several guesses, until one gives a pose without doubt: the motion goes on; it
@@ -45,14 +45,16 @@ class PoseSearch {
   void remember(const Pyramid& image) { last_ = small_of(image); }
   void forget() { last_.reset(); }
 
- private:
   struct SmallImage {
     PaddedImage image;
-    int level = 0;
+    int level = 0;  ///< It is halved so often.
   };
+  /// In which rotations are searched for.
+  static SmallImage small_of(const Pyramid& image);
+
+ private:
   JudgedAlignment aligned_from(const SE3& guess, int coarsest_level, const CurrentKeyframe& keyframe,
                                const Pyramid& image, const ExpectedMotion& expected) const;
-  static SmallImage small_of(const Pyramid& image);
   SE3 rotation_between(const SmallImage& a, const SmallImage& b) const;
 
   const LsdOptions& options_;

@@ -70,5 +70,17 @@ TEST(PoseSearch, AJumpOfTheWholeViewIsFollowed) {
   EXPECT_LT(view.error_m(found.alignment.image_from_reference), 0.003);
 }
 
+/// Else a rotation is searched for among all shifts of a large image, which takes seconds to minutes.
+TEST(PoseSearch, RotationsAreSearchedForInASmallImageWhateverTheLevels) {
+  const GrayImage image(640, 480);
+  for (const int levels : {1, 2, 3, 4, 5}) {
+    const PoseSearch::SmallImage small = PoseSearch::small_of(alignment_pyramid(image, levels));
+    EXPECT_LE(small.image.width(), 128) << levels;
+    EXPECT_EQ(small.image.width(), 640 >> small.level) << levels;
+    EXPECT_EQ(small.image.height(), 480 >> small.level) << levels;
+  }
+  EXPECT_EQ(PoseSearch::small_of(alignment_pyramid(image, 5)).level, 4);
+}
+
 }  // namespace
 }  // namespace rastro

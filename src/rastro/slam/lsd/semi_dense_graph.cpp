@@ -11,47 +11,10 @@
 #include "rastro/base/error.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/optimize/pose_graph.h"
-#include "rastro/slam/lsd/depth/surface_spread.h"
+#include "rastro/slam/lsd/map_depths.h"
 
 namespace rastro {
 namespace {
-
-/// The `most` pixels whose depths are the most certain ones, relative to themselves; row by row as before.
-void keep_most_certain(std::vector<SemiDenseDepth::Pixel>& pixels, std::size_t most) {
-  if (pixels.size() <= most) return;
-  std::vector<std::pair<float, std::size_t>> by_error;
-  by_error.reserve(pixels.size());
-  for (const SemiDenseDepth::Pixel& pixel : pixels)
-    by_error.emplace_back(pixel.variance / (pixel.inverse_depth * pixel.inverse_depth), by_error.size());
-  std::nth_element(by_error.begin(), by_error.begin() + static_cast<std::ptrdiff_t>(most), by_error.end());
-  by_error.resize(most);
-  std::sort(by_error.begin(), by_error.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  std::vector<SemiDenseDepth::Pixel> kept;
-  kept.reserve(most);
-  for (const auto& [error, index] : by_error) kept.push_back(pixels[index]);
-  pixels = std::move(kept);
-}
-
-/// Depths in the world's unit.
-std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit,
-                                                 const LsdOptions& options) {
-  auto result = std::make_shared<SemiDenseDepth>();
-  const auto factor = static_cast<float>(1.0 / world_per_unit);
-  const double most = options.max_depth_sigma > 0.0 ? options.max_depth_sigma : std::numeric_limits<double>::infinity();
-  const auto surface_share = static_cast<float>(options.surface_share);
-  for (int y = 0; y < keyframe.depth.height(); ++y)
-    for (int x = 0; x < keyframe.depth.width(); ++x) {
-      const float mean = factor * keyframe.depth.mean.at(x, y), own_variance = keyframe.depth.variance.at(x, y);
-      if (!keyframe.depth.is_known(x, y) || !(mean > 0.0F)) continue;
-      if (factor * std::sqrt(own_variance) > most * mean) continue;
-      const float variance = own_variance + surface_share * surface_spread(keyframe.depth, x, y);
-      result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
-                                factor * factor * variance, keyframe.image.at(x, y)});
-    }
-  const double size = static_cast<double>(keyframe.depth.width()) * keyframe.depth.height();
-  keep_most_certain(result->pixels, static_cast<std::size_t>(options.map_share * size));
-  return result;
-}
 
 SE3 rigid(const Sim3& pose) { return {pose.rotation(), pose.translation()}; }
 
@@ -71,6 +34,7 @@ void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, cons
   poses_.push_back(world_from_keyframe);
   submaps_.push_back(submap);
   links_.push_back({{}, false, std::numeric_limits<std::size_t>::max()});
+  links_.back().bytes_in_map = rastro::bytes_in_map(*keyframes_.back(), options_);
   ++revision_;
 }
 
@@ -142,6 +106,7 @@ std::vector<std::int64_t> SemiDenseGraph::within_steps(std::int64_t id, int step
 
 void SemiDenseGraph::replace(std::shared_ptr<const SemiDenseKeyframe> keyframe) {
   const auto index = static_cast<std::size_t>(keyframe->id);
+  links_[index].bytes_in_map = rastro::bytes_in_map(*keyframe, options_);
   keyframes_[index] = std::move(keyframe);
   ++revision_;
 }
@@ -166,7 +131,8 @@ std::size_t SemiDenseGraph::bytes() const {
     sum += static_cast<std::size_t>(keyframe->image.width()) * static_cast<std::size_t>(keyframe->image.height()) *
                a_pixel +
            keyframe->sensed.size() * sizeof(SensedDepth) +
-           static_cast<std::size_t>(keyframe->mask.width()) * static_cast<std::size_t>(keyframe->mask.height());
+           static_cast<std::size_t>(keyframe->mask.width()) * static_cast<std::size_t>(keyframe->mask.height()) +
+           links_[static_cast<std::size_t>(keyframe->id)].bytes_in_map;
   return sum;
 }
 
@@ -187,14 +153,27 @@ void SemiDenseGraph::merge(const Constraint& edge) {
   }
 }
 
-void SemiDenseGraph::optimize() {
-  std::vector<std::uint8_t> fixed(poses_.size(), 0);
+/// The first keyframe of each submap, and those that are too far from `around`.
+std::vector<std::uint8_t> SemiDenseGraph::fixed_poses(const std::optional<std::int64_t>& around) const {
+  constexpr std::int64_t large = 150;
+  constexpr int steps = 30;
+  const bool has_window = around && size() > large;
+  std::vector<std::uint8_t> fixed(poses_.size(), has_window ? 1 : 0);
+  if (has_window) {
+    fixed[static_cast<std::size_t>(*around)] = 0;
+    for (const std::int64_t id : within_steps(*around, steps)) fixed[static_cast<std::size_t>(id)] = 0;
+  }
   std::vector<int> anchored;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     if (std::find(anchored.begin(), anchored.end(), submaps_[k]) != anchored.end()) continue;
     anchored.push_back(submaps_[k]);
     fixed[k] = 1;
   }
+  return fixed;
+}
+
+void SemiDenseGraph::optimize(std::optional<std::int64_t> around) {
+  const std::vector<std::uint8_t> fixed = fixed_poses(around);
   PoseGraphOptions options;
   options.iterations = options_.optimize_iterations;
   constexpr double scale_sigma = 0.01;  // of an alignment
@@ -286,7 +265,7 @@ Constraint SemiDenseGraph::public_form(const Constraint& edge) const {
   return result;
 }
 
-std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor) const {
+std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor, KnownMapDepths* known) const {
   auto map = std::make_shared<Map>();
   map->method = "lsd";
   map->revision = revision_;
@@ -300,7 +279,10 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor) con
     map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
-    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale(), options_);
+    if (kept.image.empty()) continue;
+    const double scale = pose(id).scale();
+    depths->of[id] = known ? known->of(keyframes_[static_cast<std::size_t>(id)], scale, options_)
+                           : depths_in_map(kept, scale, options_);
   }
   map->layers.put<SemiDenseLayer>(std::move(depths));
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));

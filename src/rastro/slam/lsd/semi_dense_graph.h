@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,8 @@
 #include "rastro/slam/lsd/sensed_depths.h"
 
 namespace rastro {
+
+class KnownMapDepths;
 
 /// An undistorted image with depths: in meters, or in a unit of its own: where it was made, the mean inverse depth
 /// was 1.
@@ -66,6 +69,7 @@ class SemiDenseGraph {
   void know_scale(std::int64_t id, double scale_variance_of_new);
   /// Drops image and depths of the oldest keyframe that has them, but for the last `kept`. False: there is none.
   bool forget_oldest(std::int64_t kept);
+  /// With what a map takes that is kept beside it.
   std::size_t bytes() const;
   void add_frame(const PlacedFrame& frame) { frames_.push_back(frame); }
   /// The same frames with other poses.
@@ -75,7 +79,9 @@ class SemiDenseGraph {
   }
   /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
   void merge(const Constraint& edge);
-  void optimize();
+  /// All poses; or, in a large map, only those of the keyframes few steps of odometry from `around`: where no loop was
+  /// closed, nothing new is known of the others.
+  void optimize(std::optional<std::int64_t> around = std::nullopt);
   /// world_from_keyframe by keyframe.
   void set_poses(std::vector<Sim3> poses) {
     poses_ = std::move(poses);
@@ -119,9 +125,11 @@ class SemiDenseGraph {
   double reach_from(std::int64_t id, double drift, int missed) const;
   const std::vector<PlacedFrame>& frames() const { return frames_; }  ///< In the order of the recording.
   Trajectory trajectory() const;                                      ///< Of the submap with most frames.
-  std::shared_ptr<const Map> snapshot(const LsdSensor& sensor) const;
+  /// `known`: depths of the map before, to be used again; null: all are made anew.
+  std::shared_ptr<const Map> snapshot(const LsdSensor& sensor, KnownMapDepths* known = nullptr) const;
 
  private:
+  std::vector<std::uint8_t> fixed_poses(const std::optional<std::int64_t>& around) const;
   int largest_submap() const;
   int public_submap(int submap, int largest) const;
   Constraint public_form(const Constraint& edge) const;
@@ -134,6 +142,7 @@ class SemiDenseGraph {
     bool closes_loop = false;
     std::size_t step = 0;         ///< Index of the edge of the keyframe it was made of; size(): it begins a submap.
     double scale_variance = 0.0;  ///< scale_error(), squared.
+    std::size_t bytes_in_map = 0;
   };
 
   LsdOptions options_;

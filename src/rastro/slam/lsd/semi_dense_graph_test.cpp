@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/slam/lsd/map_depths.h"
 
 namespace rastro {
 namespace {
@@ -56,6 +57,33 @@ TEST(SemiDenseGraph, TheMapKeepsTheMostCertainDepthsOfAKeyframe) {
   const auto first = graph.snapshot(single_camera(Camera{}))->layer<SemiDenseLayer>()->of.at(0)->pixels;
   ASSERT_EQ(first.size(), 1U) << "equally certain ones count in their order";
   EXPECT_EQ(first[0].x, 3);
+}
+
+TEST(SemiDenseGraph, TheNextMapHasTheDepthsOfTheLastOneWhereNothingChanged) {
+  SemiDenseGraph graph = graph_of({}, 3);
+  KnownMapDepths known;
+  const auto next = [&] { return graph.snapshot(single_camera(Camera{}), &known); };
+  const auto depths_in = [](const std::shared_ptr<const Map>& map, std::int64_t id) {
+    return map->layer<SemiDenseLayer>()->of.at(id);
+  };
+  const auto first = next();
+  graph.set_poses(
+      {Sim3(2.0, SO3(), {1.0, 0.0, 0.0}), Sim3(2.0, SO3(), {0.0, 0.0, 0.0}), Sim3(2.2, SO3(), {0.0, 0.0, 0.0})});
+  graph.replace(std::make_shared<const SemiDenseKeyframe>(graph.keyframe(1)));
+  const auto second = next();
+  EXPECT_EQ(depths_in(second, 0), depths_in(first, 0));
+  EXPECT_NE(depths_in(second, 1), depths_in(first, 1)) << "better depths";
+  EXPECT_NE(depths_in(second, 2), depths_in(first, 2)) << "another scale";
+  EXPECT_FLOAT_EQ(depths_in(second, 2)->pixels[0].inverse_depth, 0.5F / 2.2F);
+  EXPECT_NE(depths_in(graph.snapshot(single_camera(Camera{})), 0), depths_in(first, 0)) << "the final map is exact";
+}
+
+TEST(SemiDenseGraph, WhatTheMapTakesCountsToo) {
+  LsdOptions options;
+  options.map_share = 1.0 / 1200.0;
+  const std::size_t one_each = graph_of(options, 3).bytes();
+  options.map_share = 1.0;
+  EXPECT_EQ(graph_of(options, 3).bytes(), one_each + 3 * sizeof(SemiDenseDepth::Pixel)) << "two depths each";
 }
 
 TEST(SemiDenseGraph, ALoopIsClosedByConstraintsWithEarlierVisitsAlone) {
@@ -123,6 +151,22 @@ TEST(SemiDenseGraph, TheScaleIsAsUncertainAsWhatTellsItBest) {
     graph.know_scale(2, 0.04);
     expect(0.2, 0.1, "better depths");
   }
+}
+
+/// 31 poses instead of 199 to move, whatever the length of the walk.
+TEST(SemiDenseGraph, WithoutALoopThePosesFarAwayInALargeMapStay) {
+  const auto optimized = [](std::int64_t keyframes) {
+    SemiDenseGraph graph = graph_without_depths(true, keyframes, 1.1);
+    for (std::int64_t id = 1; id < keyframes; ++id) graph.add_edge(edge_of(id - 1, id, 1.0));
+    graph.optimize(keyframes - 1);
+    return graph;
+  };
+  const auto x_of = [](const SemiDenseGraph& graph, std::int64_t id) { return graph.pose(id).translation().x(); };
+  const SemiDenseGraph large = optimized(200);
+  EXPECT_EQ(x_of(large, 168), 168 * 1.1);
+  EXPECT_NEAR(x_of(large, 169), 168 * 1.1 + 1.0, 1e-3);
+  EXPECT_NEAR(x_of(large, 199), 168 * 1.1 + 31.0, 1e-3);
+  EXPECT_NEAR(x_of(optimized(150), 149), 149.0, 1e-3);
 }
 
 TEST(SemiDenseGraph, AnotherSubmapsScaleIsAsUncertainAsThatOfTheKeyframeItIsJoinedTo) {

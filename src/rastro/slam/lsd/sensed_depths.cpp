@@ -16,7 +16,8 @@ constexpr int rounds = 20;
 }  // namespace
 
 int cell_for(int points, int width, int height) {
-  return std::max(2, static_cast<int>(std::sqrt(1.0 * width * height / points)));
+  const int side = static_cast<int>(std::sqrt(1.0 * width * height / points));
+  return std::max(2, side - side % 2);
 }
 
 int squared_gradient(GrayView image, int x, int y) {

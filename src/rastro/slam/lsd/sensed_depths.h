@@ -16,7 +16,7 @@ struct SensedDepth {
   float inverse_depth = 0.0F, sigma = 0.0F;  ///< 1/m.
 };
 
-/// Size of the cells that divide an image into so many.
+/// Size of the cells that divide an image into about so many; even, so that each consists of four of half the size.
 int cell_for(int points, int width, int height);
 
 /// By which pixels are chosen: where intensities change most, depths are most precise.

@@ -58,5 +58,17 @@ TEST(SensedDepthMap, GivesThePixelWithTheLargestGradientOfEachCellThatWasMatched
   EXPECT_EQ(chosen[1].x, 20);
 }
 
+/// Else pixels chosen in the halves would not be those chosen in the cells.
+TEST(CellFor, HalvesOfACellFillIt) {
+  for (const int points : {1, 50, 800, 801, 2000, 100000}) {
+    for (const int width : {64, 640, 752, 1241}) {
+      const int cell = cell_for(points, width, 480);
+      EXPECT_GE(cell, 2);
+      EXPECT_EQ(cell % 2, 0) << points << ' ' << width;
+    }
+  }
+  EXPECT_EQ(cell_for(800, 640, 480), 18) << "19.6";
+}
+
 }  // namespace
 }  // namespace rastro

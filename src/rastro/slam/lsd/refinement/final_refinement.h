@@ -15,7 +15,7 @@
 
 namespace rastro {
 
-/// Refines the map of one camera at the end of a run: photometric bundle adjustment of all keyframes over selected
+/// Refines the map at the end of a run: photometric bundle adjustment of all keyframes over selected
 /// pixels. What the depth filter made of one keyframe after the other fits all of them together then.
 class FinalRefinement {
  public:
