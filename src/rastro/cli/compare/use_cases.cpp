@@ -51,7 +51,7 @@ struct Candidate {
   double completion = 0.0;  ///< Mean over the inputs of the medians.
   double missing = 0.0;     ///< Mean of how far that is below the mark of the input, points.
   double log_error = 0.0;   ///< Mean logarithm of the error by the mark of the input, where it has one.
-  std::vector<std::size_t> inputs;
+  std::vector<std::size_t> inputs = {};
   int failed = 0;  ///< Of these, inputs on which it gave no path.
 
   bool is_out() const { return missing > completion_points || log_error > std::log(most_error_factor); }

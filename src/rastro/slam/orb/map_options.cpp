@@ -87,7 +87,9 @@ void add_loss_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"settled_frames",
              &o.settled_frames,
              "",
-             "frames after relocalization before a keyframe is inserted",
+             "frames after relocalization before a keyframe is inserted, unless half of the landmarks that fit then "
+             "are out of "
+             "view",
              0,
              10000,
              {}});

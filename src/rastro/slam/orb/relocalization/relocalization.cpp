@@ -112,7 +112,7 @@ void Relocalization::accept(const TrackingResult& tracked, SlamUpdate& update) {
   track_lost_frames(std::move(hypothesis_->first));
   for (const auto& [frame, unconfirmed] : hypothesis_->frames) session_.trajectory.add(unconfirmed);
   session_.initial_pose.reset();
-  keyframes_.on_relocalized();
+  keyframes_.on_relocalized(tracked.inliers);
   update.state = SlamState::relocalized;
   update.reason = SlamReason::none;
   update.detail.clear();

@@ -8,10 +8,17 @@
 
 namespace rastro {
 
+/// Where the landmarks run out, the camera would be lost again before it has settled.
+bool KeyframeInsertion::is_settled(const TrackingResult& tracked) const {
+  if (relocalized_frame_ == 0) return true;
+  return session_.frame_number - relocalized_frame_ >= session_.options.settled_frames ||
+         2 * tracked.inliers < relocalized_inliers_;
+}
+
 bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const TrackingResult& tracked) const {
   const OrbSlamOptions& options = session_.options;
   const std::int64_t now = session_.frame_number;
-  if (relocalized_frame_ > 0 && now - relocalized_frame_ < options.settled_frames) return false;
+  if (!is_settled(tracked)) return false;
   const bool overdue = static_cast<double>(now - keyframe_frame_) > session_.spacing * options.keyframe_frames;
   if (!pipeline_.settled(frame.data().stamp) && !overdue) return false;
   const int landmarks = tracker_.view()->keyframe(tracked.reference).landmarks;
@@ -78,6 +85,11 @@ void KeyframeInsertion::count_observations(const TrackingResult& tracked) {
 }
 
 void KeyframeInsertion::forget_observations() { counts_.clear(); }
+
+void KeyframeInsertion::on_relocalized(int inliers) {
+  relocalized_frame_ = session_.frame_number;
+  relocalized_inliers_ = inliers;
+}
 
 void KeyframeInsertion::on_initialized() {
   keyframe_frame_ = session_.frame_number;

@@ -33,10 +33,11 @@ class KeyframeInsertion {
   void forget_observations();
   /// A map was initialized: its keyframes count as made now.
   void on_initialized();
-  /// After relocalization: no keyframe until tracking has settled.
-  void on_relocalized() { relocalized_frame_ = session_.frame_number; }
+  /// After relocalization: no keyframe until tracking has settled. `inliers`: landmarks that fit the pose.
+  void on_relocalized(int inliers);
 
  private:
+  bool is_settled(const TrackingResult& tracked) const;
   KeyframeInput input_of(const FeatureFrame& frame, const TrackingResult& tracked);
   std::vector<std::uint32_t> new_depth_features(const FeatureFrame& frame, const TrackingResult& tracked) const;
 
@@ -46,6 +47,7 @@ class KeyframeInsertion {
   std::map<std::int64_t, LandmarkCounts> counts_;  ///< Since the last keyframe.
   std::int64_t keyframe_frame_ = 0;                ///< Frame number of the last keyframe.
   std::int64_t relocalized_frame_ = 0;             ///< Frame number of the last relocalization; 0: none in this map.
+  int relocalized_inliers_ = 0;                    ///< Landmarks that fit its pose then.
 };
 
 }  // namespace rastro

@@ -70,8 +70,9 @@ TEST(KeyframeInsertion, HappensAfterTheGivenFramesOnceAnyLandmarkIsMissing) {
 TEST(KeyframeInsertion, IsRefusedUntilARelocalizedPoseHasSettled) {
   InsertionBench bench(CameraKind::mono);
   bench.session.frame_number = 100;
-  bench.keyframes.on_relocalized();
+  bench.keyframes.on_relocalized(20);
   EXPECT_FALSE(bench.needed(10));
+  EXPECT_TRUE(bench.needed(9)) << "most of what was seen then is out of view";
   bench.session.frame_number = 119;
   EXPECT_FALSE(bench.needed(10)) << "overdue or not";
   bench.session.frame_number = 120;
