@@ -166,6 +166,7 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGrap
   std::vector<std::int64_t> ids;
   for (const PlaceMatch& match : matches)
     if (static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  if (graph.submap_count() == 1) return ids;
   const auto is_apart = [&](std::int64_t id) { return graph.submap(id) != graph.submap(own); };
   constexpr double least_share = 0.8;  // of the words shared with the best of these
   const auto apart = places_.find(words, least_share, is_apart);
