@@ -184,9 +184,12 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   candidates.add_nearest(std::move(earlier), options_.near_candidates);
   constexpr int reach = 3;
   candidates.add_random(neighborhood(id, reach), options_.graph_candidates, random);
-  candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
-                        random);
-  candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
+  // Where none are asked for, the time must not grow with the map.
+  if (options_.join_candidates > 0)
+    candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
+                          random);
+  if (options_.random_candidates > 0)
+    candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
   return candidates.ids();
 }
 
