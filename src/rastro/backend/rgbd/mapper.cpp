@@ -399,7 +399,9 @@ void Mapper::stay_within_budget(MapRevision& revision) {
   if (full && !revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
 }
 
+/// Those of a given map are in memory whole, and not counted.
 void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
+  if (id < graph_.frozen()) return;
   if (graph_.keyframe(id).features.size() == 0) return;
   bytes_ -= bytes_of(graph_.keyframe(id));
   graph_.forget_features(id);

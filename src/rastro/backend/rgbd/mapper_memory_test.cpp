@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
@@ -40,6 +43,35 @@ struct TwoKeyframes {
   MapRevision revisions[2];
   std::size_t images[2];
 };
+
+/// Wants the features of keyframe 0 out of memory with every keyframe.
+class ForgettingSearch : public LoopSearch {
+ public:
+  Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
+    newest_ = id;
+    return {};
+  }
+  std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override {
+    const bool first = std::exchange(told_, newest_) != newest_;
+    return first ? std::vector<std::int64_t>{0} : std::vector<std::int64_t>{};
+  }
+
+ private:
+  std::int64_t newest_ = -1, told_ = -1;
+};
+
+TEST(Mapper, FeaturesOfAGivenMapStayInMemory) {
+  const auto map = std::make_shared<const Map>(make_test_map(2));
+  SlamContext context;
+  context.map = map;
+  Mapper mapper({}, test_room::camera(), context, std::make_unique<ForgettingSearch>());
+  const SE3& view = map->keyframes[0].world_from_camera;
+  const MapRevision revision =
+      mapper.add({2, room_frame(view, 7), view, 0, edge_of(0, 2, SE3(), ConstraintKind::proximity), 1});
+  EXPECT_TRUE(revision.forgotten.empty());
+  EXPECT_EQ(revision.state.memory.measures, "");
+  EXPECT_LT(revision.state.memory.bytes, 10'000'000U);
+}
 
 TEST(Mapper, TheMemoryIsThatOfKeyframesImagesEdgesAndFrames) {
   const TwoKeyframes made;
