@@ -49,6 +49,7 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   clock_.lap_ms();
   immune_.clear();
   words_added_ = words_transferred_ = 0;
+  work_ms_ = 0.0;
   // After a loss, where the camera was a moment ago is a place like any other.
   if (!follows_last(graph, id)) shorten_short_term(0);
   remember(graph, id);
@@ -77,7 +78,7 @@ void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
   if (!is_bad(image)) {
     const std::size_t before = vocabulary_.size();
     const std::size_t count = std::min(image.features.size(), static_cast<std::size_t>(options_.words_per_image));
-    work_ms_ = work_of_comparison_ms * static_cast<double>(count * vocabulary_.comparisons());
+    work_ms_ += work_of_comparison_ms * static_cast<double>(count * vocabulary_.comparisons());
     words_ = vocabulary_.add(image.features, count, means_.pool);
     words_added_ = vocabulary_.size() - before;
   }
