@@ -263,7 +263,11 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
 
 void AppearanceSearch::know(const Signature& signature, double weight) {
   const ImageFeatures& image = *signature.image;
-  if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) return memory_.rehearse(image.id);
+  if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) {
+    const double whole = memory_.last()->weight;  // as saved, with this keyframe in it
+    memory_.rehearse(image.id);
+    return memory_.weigh(memory_.location_of(image.id), whole);
+  }
   // Ids of words are never given twice.
   vocabulary_.restore(signature.words, image.features);
   vocabulary_.release(signature.words);

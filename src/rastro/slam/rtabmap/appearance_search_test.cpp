@@ -156,6 +156,24 @@ TEST(AppearanceSearch, WhatLooksLikeTheLastLocationIsRehearsed) {
   EXPECT_EQ(walk.search().memory().at(1).weight, 3.0);
 }
 
+/// The map has the weight of a location with all its keyframes.
+TEST(AppearanceSearch, WeightsOfAGivenMapAreThoseItWasSavedWith) {
+  AppearanceSearch search(RtabmapOptions(), {});
+  Random features(7);
+  for (std::int64_t id = 0; id < 3; ++id) {
+    auto image = std::make_shared<ImageFeatures>();
+    image->id = id;
+    image->features.keypoints.resize(1);
+    image->features.descriptors.push_back(testing::random_descriptor(features));
+    const bool rehearsed = id == 1;
+    search.know({image, rehearsed ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{id}},
+                rehearsed ? 0.0 : 2.0);
+  }
+  EXPECT_THAT(search.memory().at(0).keyframes, ElementsAre(0, 1));
+  EXPECT_EQ(search.memory().at(0).weight, 2.0);
+  EXPECT_EQ(search.memory().at(2).weight, 2.0);
+}
+
 TEST(AppearanceSearch, AForgottenPlaceComesBackWithItsNeighbors) {
   Walk walk(appearance_only());
   walk.visit_all(0, 19);
