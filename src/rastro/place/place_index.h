@@ -42,8 +42,18 @@ class PlaceIndex {
     BagOfWords words;
     std::uint32_t slot = 0;
   };
+  struct Holder {
+    std::uint32_t slot = 0;
+    float share = 0.0F;  ///< Of the word in this image.
+  };
+  struct Sum {
+    int shared = 0;       ///< Words.
+    double common = 0.0;  ///< Of the smaller shares of these.
+  };
+  std::vector<Sum> sums_with(const BagOfWords& words) const;
+
   std::map<std::int64_t, Entry> entries_;
-  std::vector<std::vector<std::uint32_t>> holders_;  ///< Slots of the images with each word.
+  std::vector<std::vector<Holder>> holders_;  ///< The images with each word.
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::int64_t> ids_;  ///< By slot.
 };

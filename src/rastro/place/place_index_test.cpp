@@ -99,6 +99,21 @@ TEST(PlaceIndexFind, EqualsComparingEveryImage) {
   }
 }
 
+/// The index sums what similarity() does, word by word: results do not depend on which of them was asked.
+TEST(PlaceIndexFind, ScoresAreThoseOfSimilarityToTheLastBit) {
+  Random random(4);
+  PlaceIndex index;
+  for (int id = 0; id < 60; ++id) index.add(id, random_bag(random));
+  for (int id = 0; id < 60; id += 4) index.remove(id);
+  for (int id = 60; id < 70; ++id) index.add(id, random_bag(random));  // in the slots that were left
+  for (int trial = 0; trial < 40; ++trial) {
+    const BagOfWords asked = random_bag(random);
+    const auto found = index.find(asked, 0.0);
+    EXPECT_GT(found.size(), 40U);
+    for (const PlaceMatch& match : found) EXPECT_EQ(match.score, similarity(asked, *index.find_words(match.id)));
+  }
+}
+
 TEST(PlaceIndexFind, EqualScoresAreInTheOrderOfTheirIds) {
   Random random(3);
   const BagOfWords bag = random_bag(random);

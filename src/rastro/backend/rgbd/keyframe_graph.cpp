@@ -184,9 +184,12 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   candidates.add_nearest(std::move(earlier), options_.near_candidates);
   constexpr int reach = 3;
   candidates.add_random(neighborhood(id, reach), options_.graph_candidates, random);
-  candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
-                        random);
-  candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
+  // Where none are asked for, the time must not grow with the map.
+  if (options_.join_candidates > 0)
+    candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
+                          random);
+  if (options_.random_candidates > 0)
+    candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
   return candidates.ids();
 }
 
@@ -198,6 +201,7 @@ void KeyframeGraph::add_covariance_of_merge(const Constraint& edge, std::int64_t
     Matrix6d& sum = covariances_[static_cast<std::size_t>(k)];
     sum += moved_covariance(of_path, joint, k);
     sum = (0.5 * (sum + sum.transpose())).eval();
+    merged_.insert(k);
   }
 }
 
@@ -313,10 +317,12 @@ PoseGraphResult KeyframeGraph::optimize_until_converged() {
 }
 
 GraphChanges KeyframeGraph::take_changes() {
-  GraphChanges changes{first_changed_, {}, {}};
+  GraphChanges changes{first_changed_, {}, {}, {}};
   for (std::int64_t id = first_changed_; id < size(); ++id) changes.poses.push_back({pose(id), submap(id)});
   for (const std::size_t e : edges_from(first_changed_)) changes.weights.push_back({e, edges_[e].weight});
+  for (const std::int64_t id : merged_) changes.covariances.emplace_back(id, covariance(id));
   first_changed_ = size();
+  merged_.clear();
   return changes;
 }
 

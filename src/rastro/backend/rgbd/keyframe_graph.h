@@ -6,6 +6,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "rastro/backend/rgbd/graph_paths.h"
@@ -36,8 +38,9 @@ struct GraphChanges {
     double weight = 1.0;
   };
   std::int64_t first_pose = 0;
-  std::vector<KeyframePose> poses;  ///< Of the keyframes from `first_pose` on.
-  std::vector<EdgeWeight> weights;  ///< Of the edges at these.
+  std::vector<KeyframePose> poses;                             ///< Of the keyframes from `first_pose` on.
+  std::vector<EdgeWeight> weights;                             ///< Of the edges at these.
+  std::vector<std::pair<std::int64_t, Matrix6d>> covariances;  ///< Of the keyframes of submaps that were merged.
 };
 
 /// What is left of a keyframe's features to save memory: none of them.
@@ -145,6 +148,7 @@ class KeyframeGraph {
   std::map<int, std::int64_t> first_of_submap_;     ///< The first keyframe of each anchors it.
   VarianceFactor noise_;
   std::int64_t first_changed_ = 0;  ///< Of the poses, since take_changes().
+  std::set<std::int64_t> merged_;   ///< Whose covariances a merge changed since then.
 };
 
 }  // namespace rastro

@@ -106,6 +106,11 @@ TEST(KeyframeGraphCovariance, AMergedSubmapIsAsUncertainAsThePathToIt) {
     for (const int k : {1, 3}) graph.settle_covariance(k);
     graph.merge(forward ? edge_of(1, 3, SE3(), ConstraintKind::merge, 0.3, 0.3)
                         : edge_of(3, 1, SE3(), ConstraintKind::merge, 0.3, 0.3));
+    const GraphChanges changes = graph.take_changes();
+    ASSERT_EQ(changes.covariances.size(), 2U) << "of the submap that was moved";
+    for (const auto& [id, covariance] : changes.covariances)
+      EXPECT_THAT(covariance, matrix_near(graph.covariance(id), 0.0)) << id;
+    EXPECT_TRUE(graph.take_changes().covariances.empty()) << "told once";
     const double of_joint = 0.01 + 0.09, back = 0.04;
     EXPECT_THAT(graph.covariance(1), matrix_near(scaled_identity(graph, 0.01), 1e-12)) << "stays";
     EXPECT_THAT(graph.covariance(2), matrix_near(scaled_identity(graph, (of_joint + back)), 1e-12));

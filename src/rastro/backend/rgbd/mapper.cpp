@@ -104,6 +104,7 @@ void Mapper::take_over(const std::shared_ptr<const Map>& map) {
     if (!signatures_) continue;
     const Signature signature = signature_of(*map, keyframe.id);
     if (!maps_) signatures_in_memory_->add(keyframe.id, signature);
+    if (graph_.keyframe(keyframe.id).features.size() < signature.image->features.size()) ++given_up_;
     search_->know(signature, keyframe.weight);
   }
   for (const Constraint& edge : map->constraints) graph_.add_edge(edge);
@@ -323,6 +324,7 @@ void Mapper::retrieve(std::int64_t id, MapRevision& revision) {
   if (!signatures_ || graph_.keyframe(id).features.size() > 0) return;
   auto image = with_id(*signatures_->read(id).image, id);
   bytes_ += bytes_of(*image) - bytes_of(graph_.keyframe(id));
+  if (image->features.size() > 0) --given_up_;
   graph_.restore_features(image);
   revision.retrieved.push_back(std::move(image));
 }
@@ -399,7 +401,9 @@ void Mapper::stay_within_budget(MapRevision& revision) {
   if (full && !revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
 }
 
+/// Those of a given map are in memory whole, and not counted.
 void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
+  if (id < graph_.frozen()) return;
   if (graph_.keyframe(id).features.size() == 0) return;
   bytes_ -= bytes_of(graph_.keyframe(id));
   graph_.forget_features(id);

@@ -3,7 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "rastro/backend/rgbd/given_map.h"
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
 
@@ -40,6 +45,60 @@ struct TwoKeyframes {
   MapRevision revisions[2];
   std::size_t images[2];
 };
+
+/// Wants the features of keyframe 0 out of memory with every keyframe but the third, which needs them.
+class ForgettingSearch : public LoopSearch {
+ public:
+  explicit ForgettingSearch(bool remembers = false) : remembers_(remembers) {}
+  bool has_long_term_memory() const override { return remembers_; }
+  Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
+    newest_ = id;
+    if (id == 2) told_ = id;
+    return {{}, {}, id == 2 ? std::vector<std::int64_t>{0} : std::vector<std::int64_t>{}};
+  }
+  std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override {
+    const bool first = std::exchange(told_, newest_) != newest_;
+    return first ? std::vector<std::int64_t>{0} : std::vector<std::int64_t>{};
+  }
+
+ private:
+  bool remembers_;
+  std::int64_t newest_ = -1, told_ = -1;
+};
+
+TEST(Mapper, FeaturesOfAGivenMapStayInMemory) {
+  const auto map = std::make_shared<const Map>(make_test_map(2));
+  SlamContext context;
+  context.map = map;
+  Mapper mapper({}, test_room::camera(), context, std::make_unique<ForgettingSearch>());
+  const SE3& view = map->keyframes[0].world_from_camera;
+  const MapRevision revision =
+      mapper.add({2, room_frame(view, 7), view, 0, edge_of(0, 2, SE3(), ConstraintKind::proximity), 1});
+  EXPECT_TRUE(revision.forgotten.empty());
+  EXPECT_EQ(revision.state.memory.measures, "");
+  EXPECT_LT(revision.state.memory.bytes, 10'000'000U);
+}
+
+TEST(Mapper, FeaturesThatCameBackAreNoLongerInLongTermMemoryAlone) {
+  Mapper mapper({}, test_room::camera(), {}, std::make_unique<ForgettingSearch>(true));
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.1);
+  for (std::int64_t id = 0; id < 4; ++id) {
+    std::optional<Constraint> path;
+    if (id > 0) path = edge_of(id - 1, id, SE3());
+    const MapRevision revision = mapper.add({id, room_frame(view, 7 * id), view, 0, path, 1});
+    EXPECT_EQ(revision.state.memory.measures, id == 2 ? "" : "features of 1 keyframes in long-term memory alone") << id;
+  }
+}
+
+TEST(Mapper, FeaturesOfAMapThatIsContinuedAreInLongTermMemoryAlone) {
+  SlamContext context;
+  context.map = std::make_shared<const Map>(make_test_map(3));
+  context.extend_map = true;
+  const RgbdSlamOptions options;
+  context = with_usable_map(context, test_room::camera(), options);
+  const Mapper mapper(options, test_room::camera(), context, std::make_unique<ForgettingSearch>(true));
+  EXPECT_EQ(mapper.state().memory.measures, "features of 3 keyframes in long-term memory alone");
+}
 
 TEST(Mapper, TheMemoryIsThatOfKeyframesImagesEdgesAndFrames) {
   const TwoKeyframes made;

@@ -55,6 +55,8 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
       update.reason = SlamReason::no_data;
     return;
   }
+  // A frame that is found becomes a keyframe in any case: mapping must not refuse it.
+  while (mapping_ && !pipeline_.has_room()) apply(std::move(*pipeline_.take_next()), update.events);
   ++loss_.frames;
   if (!loss_.unconfirmed.empty() || just_lost() || (loss_.frames - 1) % options_.relocalize_every == 0) {
     const auto found = find_in_map(frame, update);

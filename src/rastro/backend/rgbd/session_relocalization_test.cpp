@@ -5,7 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <thread>
 #include <tuple>
+#include <utility>
 
 #include "rastro/backend/rgbd/rgbd_session.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
@@ -146,6 +151,51 @@ TEST(RgbdSession, AfterEnoughLostFramesANewSubmapBeginsWhereItWasLost) {
   EXPECT_EQ(session.trajectory().size(), 3U) << "of the first submap";
   EXPECT_EQ(session.finish().back().detail, "the largest is now the first");
   EXPECT_EQ(session.trajectory().size(), 5U);
+}
+
+/// Mapping goes on only when it is told to.
+class WaitingSearch : public LoopSearch {
+ public:
+  explicit WaitingSearch(std::shared_future<void> go) : go_(std::move(go)) {}
+  Candidates candidates(const KeyframeGraph&, std::int64_t) override {
+    go_.wait();
+    return {};
+  }
+  std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override { return {}; }
+
+ private:
+  std::shared_future<void> go_;
+};
+
+/// Live, mapping takes no more than a few keyframes at once; the one of a relocalized frame must be among those.
+TEST(RgbdSession, AFrameFoundWhileMappingIsBehindBecomesAKeyframeToo) {
+  TaskPool pool(2);
+  SlamContext context;
+  context.pool = &pool;
+  context.live = context.pipelined = true;
+  RgbdSlamOptions options = lost_at_once();
+  options.keyframe_frames = 1;
+  std::promise<void> go;
+  RgbdSession session(options, test_room::camera(), context,
+                      {.search = std::make_unique<WaitingSearch>(go.get_future().share())});
+  std::int64_t next = 0;
+  std::size_t made = 0;
+  const auto show = [&](const Frame& frame) {
+    const SlamUpdate update = session.process(frame);
+    for (const SlamEvent& event : update.events) made += event.kind == "keyframe" ? 1 : 0;
+    return update.state;
+  };
+  for (; next < 6; ++next) show(room_frame(place_at(0.002 * static_cast<double>(next)), next));
+  EXPECT_GT(session.dropped_frames(), 0) << "no more keyframes were taken";
+  const std::jthread later([&go] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    go.set_value();
+  });
+  EXPECT_EQ(show(unknown_at(next++)), SlamState::lost);
+  for (; next < 11; ++next)
+    EXPECT_NE(show(room_frame(place_at(0.002 * static_cast<double>(next)), next)), SlamState::lost) << next;
+  session.finish();
+  EXPECT_EQ(session.snapshot()->keyframes.size(), made);
 }
 
 TEST(RgbdSession, WithoutImageOrDepthALostFrameSaysSoUnlessTheFollowerKnowsBetter) {

@@ -97,6 +97,7 @@ void TrackedMap::apply(MapRevision revision) {
   const GraphChanges& changes = revision.graph;
   poses_.resize(static_cast<std::size_t>(changes.first_pose) + changes.poses.size());
   std::copy(changes.poses.begin(), changes.poses.end(), poses_.begin() + changes.first_pose);
+  for (const auto& [id, covariance] : changes.covariances) covariances_[static_cast<std::size_t>(id)] = covariance;
   if (revision.keyframe) {
     covariances_[static_cast<std::size_t>(revision.keyframe->id)] = revision.covariance;
     keyframes_.push_back(std::move(revision.keyframe));

@@ -166,7 +166,10 @@ TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
   MapRevision merged = revision_of(1, {in_submap(at(0.0), 0), in_submap(at(1.0), 0)});
   merged.new_edges = {edge_of(0, 1, at(1.0), ConstraintKind::merge)};
   merged.graph.weights = {{0, 0.75}};
+  merged.graph.covariances = {{0, 7.0 * Matrix6d::Identity()}};
   map.apply(merged);
+  EXPECT_THAT(map.covariance(0), matrix_near(Matrix6d(7.0 * Matrix6d::Identity()), 0.0));
+  EXPECT_THAT(map.covariance(1), matrix_near(Matrix6d(2.0 * Matrix6d::Identity()), 0.0)) << "the newest has its own";
   ASSERT_EQ(map.trajectory().size(), 2U);
   EXPECT_NEAR(map.trajectory().back().world_from_body.translation().x(), 1.1, 1e-12);
   const auto snapshot = map.snapshot();

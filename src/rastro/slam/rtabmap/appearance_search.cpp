@@ -49,6 +49,7 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   clock_.lap_ms();
   immune_.clear();
   words_added_ = words_transferred_ = 0;
+  work_ms_ = 0.0;
   // After a loss, where the camera was a moment ago is a place like any other.
   if (!follows_last(graph, id)) shorten_short_term(0);
   remember(graph, id);
@@ -77,7 +78,7 @@ void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
   if (!is_bad(image)) {
     const std::size_t before = vocabulary_.size();
     const std::size_t count = std::min(image.features.size(), static_cast<std::size_t>(options_.words_per_image));
-    work_ms_ = work_of_comparison_ms * static_cast<double>(count * vocabulary_.comparisons());
+    work_ms_ += work_of_comparison_ms * static_cast<double>(count * vocabulary_.comparisons());
     words_ = vocabulary_.add(image.features, count, means_.pool);
     words_added_ = vocabulary_.size() - before;
   }
@@ -166,6 +167,7 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGrap
   std::vector<std::int64_t> ids;
   for (const PlaceMatch& match : matches)
     if (static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  if (graph.submap_count() == 1) return ids;
   const auto is_apart = [&](std::int64_t id) { return graph.submap(id) != graph.submap(own); };
   constexpr double least_share = 0.8;  // of the words shared with the best of these
   const auto apart = places_.find(words, least_share, is_apart);
@@ -261,7 +263,11 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
 
 void AppearanceSearch::know(const Signature& signature, double weight) {
   const ImageFeatures& image = *signature.image;
-  if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) return memory_.rehearse(image.id);
+  if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) {
+    const double whole = memory_.last()->weight;  // as saved, with this keyframe in it
+    memory_.rehearse(image.id);
+    return memory_.weigh(memory_.location_of(image.id), whole);
+  }
   // Ids of words are never given twice.
   vocabulary_.restore(signature.words, image.features);
   vocabulary_.release(signature.words);

@@ -45,6 +45,8 @@ class Walk {
   Candidates visit(int place, int submap = 0, int seen = own) { return process(add(place, submap, seen), place); }
   /// A place that only looks like it.
   Candidates visit_like(int place) { return process(add(place, 0, own), -1); }
+  /// Nothing to recognize anything by.
+  Candidates visit_blank() { return process(keep(std::make_shared<ImageFeatures>(), -1, 0), -1); }
   Candidates visit_all(int first, int last) {
     Candidates candidates;
     for (int place = first; place <= last; ++place) candidates = visit(place);
@@ -83,15 +85,18 @@ class Walk {
   }
 
   std::int64_t add(int place, int submap, int seen) {
-    const std::int64_t id = graph_.size();
     auto image = std::make_shared<ImageFeatures>();
-    image->id = id;
     add_features(*image, place, seen, 1);
-    add_features(*image, static_cast<int>(id), own - seen, 4);
+    add_features(*image, static_cast<int>(graph_.size()), own - seen, 4);
     add_features(*image, place, shared, 2);
     add_features(*image, place + 1, shared, 2);
     Random random(static_cast<std::uint64_t>(place));
     for (int k = 0; k < common; ++k) add_features(*image, static_cast<int>(random.below(40)), 1, 3);
+    return keep(std::move(image), place, submap);
+  }
+
+  std::int64_t keep(std::shared_ptr<ImageFeatures> image, int place, int submap) {
+    const std::int64_t id = image->id = graph_.size();
     image->features.keypoints.resize(image->features.descriptors.size());
     kept_.push_back(image);
     places_.push_back(place);
@@ -151,6 +156,24 @@ TEST(AppearanceSearch, WhatLooksLikeTheLastLocationIsRehearsed) {
   EXPECT_EQ(walk.search().memory().at(1).weight, 3.0);
 }
 
+/// The map has the weight of a location with all its keyframes.
+TEST(AppearanceSearch, WeightsOfAGivenMapAreThoseItWasSavedWith) {
+  AppearanceSearch search(RtabmapOptions(), {});
+  Random features(7);
+  for (std::int64_t id = 0; id < 3; ++id) {
+    auto image = std::make_shared<ImageFeatures>();
+    image->id = id;
+    image->features.keypoints.resize(1);
+    image->features.descriptors.push_back(testing::random_descriptor(features));
+    const bool rehearsed = id == 1;
+    search.know({image, rehearsed ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{id}},
+                rehearsed ? 0.0 : 2.0);
+  }
+  EXPECT_THAT(search.memory().at(0).keyframes, ElementsAre(0, 1));
+  EXPECT_EQ(search.memory().at(0).weight, 2.0);
+  EXPECT_EQ(search.memory().at(2).weight, 2.0);
+}
+
 TEST(AppearanceSearch, AForgottenPlaceComesBackWithItsNeighbors) {
   Walk walk(appearance_only());
   walk.visit_all(0, 19);
@@ -207,6 +230,14 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
   const double limit_ms = 0.2, of_a_location_ms = 0.01;
   EXPECT_GT(work_ms(limit_ms), limit_ms) << "until then nothing leaves";
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);
+}
+
+TEST(AppearanceSearch, AKeyframeWithTooFewFeaturesIsNotTheWorkOfTheOneBefore) {
+  Walk walk(working_memory_only());
+  walk.visit_all(0, 5);
+  EXPECT_GT(walk.search().work_ms(), 0.0);
+  walk.visit_blank();
+  EXPECT_EQ(walk.search().work_ms(), 0.0);
 }
 
 /// A camera that comes often has most like what it sees among its own keyframes.
