@@ -24,21 +24,22 @@ void add_sensor_options(OptionTable& table, RtabmapOptions& o) {
              &o.stereo_sigma_px,
              "px",
              "standard deviation of a disparity; with a stereo pair, depth_sigma_m and depth_sigma_per_m2 follow, and "
-             "surfaces are off",
+             "surfaces are off, where left at their defaults",
              0.01,
              10,
              {}});
   table.add({"stereo_min_disparity_px",
              &o.stereo_min_disparity_px,
              "px",
-             "smallest disparity used; with a stereo pair, max_depth_m follows",
+             "smallest disparity used; with a stereo pair, max_depth_m follows where left at its default",
              0.5,
              100,
              {}});
   table.add({"stereo_max_disparity_px",
              &o.stereo_max_disparity_px,
              "px",
-             "largest disparity searched for: nearer points have no depth, and time grows with it",
+             "largest disparity searched for: nearer points have no depth, and time grows with it; with a stereo pair, "
+             "min_depth_m follows where left at its default",
              16,
              512,
              {}});
