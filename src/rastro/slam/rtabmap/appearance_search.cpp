@@ -297,9 +297,16 @@ std::vector<std::pair<std::int64_t, double>> AppearanceSearch::changed_weights()
   return weights;
 }
 
+/// Of short-term memory too: a camera that was lost is most often where it was a moment ago.
 std::vector<std::int64_t> AppearanceSearch::similar(const ImageFeatures& seen) const {
+  const BagOfWords words = bag_of(seen);
+  std::vector<PlaceMatch> matches = places_.find(words);
+  for (const auto& [location, bag] : waiting_)
+    if (const double score = similarity(words, bag); score > 0.0) matches.push_back({location, 0, score});
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const PlaceMatch& a, const PlaceMatch& b) { return a.score > b.score; });
   std::vector<std::int64_t> ids;
-  for (const PlaceMatch& match : places_.find(bag_of(seen)))
+  for (const PlaceMatch& match : matches)
     if (ids.size() < most_similar) ids.push_back(match.id);
   return ids;
 }

@@ -63,6 +63,7 @@ class Walk {
     }
   }
   const AppearanceSearch& search() const { return search_; }
+  const ImageFeatures& image(std::int64_t id) const { return *kept_[static_cast<std::size_t>(id)]; }
   MemoryStage stage(std::int64_t location) const { return search_.memory().at(location).stage; }
 
  private:
@@ -137,6 +138,19 @@ TEST(AppearanceSearch, ShortTermMemoryIsNotSearched) {
   Walk walk(options);
   walk.visit_all(0, 19);
   EXPECT_THAT(walk.visit(5).places, IsEmpty());
+}
+
+TEST(AppearanceSearch, ALostFrameIsLookedForInShortTermMemoryToo) {
+  RtabmapOptions options = appearance_only();
+  options.short_term_size = 10;
+  Walk walk(options);
+  walk.visit_all(0, 19);
+  for (const int place : {5, 15}) {
+    const auto similar = walk.search().similar(walk.image(place));
+    ASSERT_FALSE(similar.empty()) << place;
+    EXPECT_EQ(similar.front(), place);
+    EXPECT_LE(similar.size(), 8U);
+  }
 }
 
 TEST(AppearanceSearch, ABudgetSmallerThanShortTermMemoryShortensIt) {
