@@ -37,6 +37,7 @@ class LoopSearch {
 
   /// The next keyframe of a given map, in their order; its features are in long-term memory.
   virtual void know(const Signature& /*signature*/, double /*weight*/) {}
+  /// Of a given map; and each that was found without a new keyframe.
   virtual void know_constraints(std::span<const Constraint> /*constraints*/) {}
 
   /// Features that left memory can be read again: they are in the map, with their words.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "rastro/backend/acceptance.h"
@@ -147,6 +148,7 @@ MapRevision Mapper::connect(Constraint edge) {
   if (graph_.steps_between(edge.from, edge.to, options_.loop_steps) >= options_.loop_steps)
     edge.kind = ConstraintKind::loop;
   accept(edge, revision);
+  search_->know_constraints(std::span<const Constraint>(&edge, 1));
   correct(graph_.size() - 1, {edge}, revision);
   revise(revision);
   return revision;
