@@ -86,6 +86,7 @@ void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
   const Location* last = memory_.last();
   if (follows && last && shared_word_ratio(words_, last->words) > options_.rehearsal_similarity) {
     vocabulary_.release(words_);
+    words_added_ = 0;
     memory_.rehearse(id);
     return;
   }
@@ -234,13 +235,16 @@ PlaceBelief AppearanceSearch::belief_about(std::int64_t id, const Candidates& ca
 void AppearanceSearch::retrieve(const KeyframeGraph& graph, std::int64_t location) {
   if (memory_.at(location).stage != MemoryStage::long_term) return;
   const auto& words = memory_.at(location).words;
+  const std::size_t before = vocabulary_.size();
   vocabulary_.restore(words, graph.keyframe(location).features);
+  words_added_ += vocabulary_.size() - before;
   if (!words.empty()) index_.add(location, words);
   memory_.retrieve(location);
   immune_.insert(location);
 }
 
-/// One location a call: what was compared in vain first, then the least of working memory, as many words as were added.
+/// One location a call: what was compared in vain first, then the least of working memory, as many words as were added
+/// or came back.
 std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*graph*/, double fill) {
   if (!tried_.empty()) {
     const std::vector<std::int64_t> in_vain(tried_.begin(), tried_.end());

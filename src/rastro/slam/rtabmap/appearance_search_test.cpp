@@ -246,6 +246,24 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);
 }
 
+/// Place 6 comes back with place 5, so that its image adds no word; then its neighbors come back, with theirs.
+TEST(AppearanceSearch, AsManyWordsAsComeBackAreTransferred) {
+  RtabmapOptions options = appearance_only();
+  options.hypotheses = 0;
+  options.least_similarity = 1.0;
+  options.time_limit_ms = 0.0;
+  Walk walk(options);
+  walk.visit_all(0, 12);
+  walk.forget(1.0);
+  walk.visit(5);
+  walk.visit_all(30, 36);
+  ASSERT_EQ(walk.stage(6), MemoryStage::working);
+  ASSERT_THAT(walk.visit(6).retrieve, SizeIs(2));
+  const std::size_t before = walk.search().memory().working().size();
+  walk.forget(0.0);
+  EXPECT_LE(walk.search().memory().working().size() + 2, before) << "one location alone has fewer words";
+}
+
 TEST(AppearanceSearch, AKeyframeWithTooFewFeaturesIsNotTheWorkOfTheOneBefore) {
   Walk walk(working_memory_only());
   walk.visit_all(0, 5);
