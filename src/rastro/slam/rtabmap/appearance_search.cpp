@@ -18,10 +18,10 @@ LocationFilterOptions filter_options(const RtabmapOptions& options) {
   return filter;
 }
 
-// What the parts of an iteration take on one core of a laptop, so that runs without a clock plan alike.
+// What the parts of an iteration that grow with working memory take on one core of a laptop, so that runs without a
+// clock plan alike. Matches do not count: transfer makes none of them shorter.
 constexpr double work_of_comparison_ms = 2e-6;  // of two descriptors
 constexpr double work_of_location_ms = 3e-4;    // by the Bayes filter
-constexpr double work_of_match_ms = 2.0;        // of two keyframes
 constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
 
 /// Without the direct index, which only matching of features needs.
@@ -57,7 +57,9 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   Random random(seed_for(options_.rgbd.follow.seed, static_cast<std::uint64_t>(id)));
   Candidates candidates{graph.candidates(id, random), {}, {}};
   if (words_.empty()) return candidates;
-  for (const std::int64_t location : likely_locations()) recall(location, candidates);
+  const std::vector<std::int64_t> likely = likely_locations();
+  if (means_.live) work_ms_ = clock_.lap_ms();
+  for (const std::int64_t location : likely) recall(location, candidates);
   const std::int64_t own = memory_.location_of(id);
   for (const std::int64_t location : similar_locations(graph, bag_of(graph.keyframe(id)), own))
     recall(location, candidates);
@@ -206,8 +208,6 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
     tried_.erase(location);
     retrieve(graph, location);
   }
-  work_ms_ += work_of_match_ms * static_cast<double>(candidates.nearby.size() + candidates.places.size());
-  if (means_.live) work_ms_ = clock_.lap_ms();
   place_ = belief_about(id, candidates, accepted);
 }
 

@@ -46,7 +46,7 @@ class AppearanceSearch : public LoopSearch {
 
   const LocationMemory& memory() const { return memory_; }
   const LocationFilter::Belief& belief() const { return filter_.belief(); }
-  /// Of the last keyframe, by the count that decides about transfer.
+  /// Of the last keyframe, by the count that decides about transfer: words and Bayes filter.
   double work_ms() const { return work_ms_; }
 
  private:

@@ -246,6 +246,16 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);
 }
 
+/// Else working memory would shrink until nothing is recognized in it, and no match would be spared.
+TEST(AppearanceSearch, MatchesAreNoWorkThatTransferShortens) {
+  RtabmapOptions options = appearance_only();
+  options.time_limit_ms = 1.0;
+  Walk walk(options);
+  walk.visit_all(0, 19);
+  EXPECT_THAT(walk.visit(5).places, Contains(5));
+  EXPECT_THAT(walk.forget(0.0), IsEmpty());
+}
+
 /// Place 6 comes back with place 5, so that its image adds no word; then its neighbors come back, with theirs.
 TEST(AppearanceSearch, AsManyWordsAsComeBackAreTransferred) {
   RtabmapOptions options = appearance_only();

@@ -88,8 +88,8 @@ void add_memory_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"time_limit_ms",
              &o.time_limit_ms,
              "ms",
-             "locations move to long-term memory when one keyframe took longer (T_time); by the clock in live runs, "
-             "else by counted work, so that every run does the same",
+             "locations move to long-term memory when words and Bayes filter of one keyframe took longer (T_time); by "
+             "the clock in live runs, else by counted work, so that every run does the same",
              0,
              1e6,
              {}});
