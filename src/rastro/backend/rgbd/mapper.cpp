@@ -373,8 +373,8 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
 std::size_t Mapper::map_bytes() const {
   constexpr std::size_t a_keyframe = 2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)),
                         a_constraint = 2 * sizeof(Constraint), a_frame = sizeof(SE3) + 2 * sizeof(std::int64_t);
-  return bytes_ + static_cast<std::size_t>(graph_.size()) * a_keyframe + graph_.edges().size() * a_constraint +
-         frames_ * a_frame;
+  return bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
+         graph_.edges().size() * a_constraint + frames_ * a_frame;
 }
 
 std::string Mapper::measures() const {

@@ -265,6 +265,21 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
   return memory_.at(*least).keyframes;
 }
 
+/// Sizes of the parts; `node`: what a container adds to an element, with its allocation. Vectors that grow have half as
+/// much again unused.
+std::size_t AppearanceSearch::bytes() const {
+  constexpr std::size_t node = 40;
+  // In a bucket of the vocabulary, by its id, and in the index with one or two holders.
+  constexpr std::size_t a_word = (sizeof(Descriptor) + sizeof(std::int64_t) + sizeof(int)) * 3 / 2 +
+                                 (node + 2 * sizeof(std::int64_t)) + (node + sizeof(std::vector<int>)) + node;
+  const auto words = static_cast<std::size_t>(options_.words_per_image),
+             features = static_cast<std::size_t>(options_.rgbd.keyframe_features);
+  // Its bag of words of the standard vocabulary, and its place in the inverted index of these.
+  const std::size_t in_places = features * (sizeof(std::pair<std::uint32_t, float>) * 5 / 2),
+                    a_location = sizeof(Location) + 4 * node + words * sizeof(std::int64_t) + in_places;
+  return vocabulary_.size() * a_word + memory_.size() * a_location + index_.size() * words * sizeof(std::int64_t);
+}
+
 void AppearanceSearch::know(const Signature& signature, double weight) {
   const ImageFeatures& image = *signature.image;
   if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) {

@@ -246,6 +246,17 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);
 }
 
+TEST(AppearanceSearch, WordsOfWorkingMemoryAndLocationsTakeMemory) {
+  const RtabmapOptions options = appearance_only();
+  Walk walk(options);
+  EXPECT_EQ(walk.search().bytes(), 0U);
+  walk.visit_all(0, 19);
+  const std::size_t before = walk.search().bytes();
+  EXPECT_GT(before, 20U * 16U * static_cast<std::size_t>(options.rgbd.keyframe_features));
+  walk.forget(1.0);
+  EXPECT_LT(walk.search().bytes(), before);
+}
+
 /// Else working memory would shrink until nothing is recognized in it, and no match would be spared.
 TEST(AppearanceSearch, MatchesAreNoWorkThatTransferShortens) {
   RtabmapOptions options = appearance_only();

@@ -103,7 +103,8 @@ void add_memory_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"memory_reserve_mb",
              &o.rgbd.memory_reserve_mb,
              "MB",
-             "part of --max-memory reserved for everything but the features of working memory",
+             "part of --max-memory reserved for everything but the features of working memory and what places are "
+             "recognized by",
              0,
              1e6,
              {}});
