@@ -358,7 +358,7 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
     return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
   };
   const auto loops = count(ConstraintKind::loop), merges = count(ConstraintKind::merge);
-  const bool all = maps_ && (loops > 0 || merges > 0);
+  const bool all = maps_ && (loops > 0 || merges > 0) && !is_stopped();
   const PoseGraphResult result = graph_.optimize(all);
   graph_.settle_covariance(id);
   if (loops > 0 && maps_)
@@ -425,8 +425,7 @@ MappingState Mapper::state() const {
 
 MapRevision Mapper::settle() {
   MapRevision revision;
-  const bool stopped = stop_ && stop_->load();
-  if (maps_ && graph_.size() > 1 && !stopped) {
+  if (maps_ && graph_.size() > 1 && !is_stopped()) {
     const PoseGraphResult result = graph_.optimize_until_converged();
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
                                                           graph_.size(), result.first_cost, result.last_cost)});
