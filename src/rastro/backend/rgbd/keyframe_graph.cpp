@@ -276,7 +276,22 @@ void KeyframeGraph::learn_noise() {
   noise_.add(squared, freedoms * (static_cast<double>(edges_.size()) - static_cast<double>(size())));
 }
 
-PoseGraphResult KeyframeGraph::optimize(bool all) { return optimize(all, graph_options(options_)); }
+/// Loops since all keyframes were optimized, of which one is so far off that its switch would turn it off at once.
+bool KeyframeGraph::a_new_loop_is_far_off() const {
+  return std::any_of(edges_.begin() + static_cast<std::ptrdiff_t>(decided_edges_), edges_.end(),
+                     [this](const Constraint& edge) {
+                       const bool closes = edge.kind == ConstraintKind::loop || edge.kind == ConstraintKind::merge;
+                       return closes && squared_sigmas(edge, pose(edge.from), pose(edge.to)) > options_.switch_price;
+                     });
+}
+
+/// In a large graph the stages take up to a minute: there only a new loop that needs them gets them, and what was
+/// decided about others stands.
+PoseGraphResult KeyframeGraph::optimize(bool all) {
+  PoseGraphOptions options = graph_options(options_);
+  if (all) options.gradual = final_optimization(edges_.size(), options.iterations).gradual || a_new_loop_is_far_off();
+  return optimize(all, options);
+}
 
 PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& options) {
   const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
@@ -287,6 +302,7 @@ PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& option
     poses_[static_cast<std::size_t>(part.keyframes[i])] = part.poses[i];
   for (std::size_t i = 0; i < part.edges.size(); ++i) edges_[part.edge_numbers[i]].weight = part.edges[i].weight;
   first_changed_ = std::min(first_changed_, first_free);
+  if (all) decided_edges_ = edges_.size();
   return result;
 }
 

@@ -53,6 +53,7 @@ struct FinalOptimization {
   int rounds = 10;      ///< At most.
 };
 /// All of it for maps of up to about 16 000 constraints; a larger one is bounded to as much work, one round at least.
+/// `gradual` counts for loop closures as well, where a new loop that is far off has the stages in any case.
 FinalOptimization final_optimization(std::size_t edges, int iterations);
 
 /// Keyframes with their poses and constraints: which keyframes to compare, their distance in the graph, and their
@@ -132,6 +133,7 @@ class KeyframeGraph {
   void add_covariance_of_merge(const Constraint& edge, std::int64_t joint);
   std::vector<std::size_t> edges_from(std::int64_t first) const;
   bool is_anchor(std::int64_t id) const;
+  bool a_new_loop_is_far_off() const;
   Part part_from(std::int64_t first_free) const;
   void learn_noise(const Part& part);
   PoseGraphResult optimize(bool all, const PoseGraphOptions& options);
@@ -146,6 +148,7 @@ class KeyframeGraph {
   std::vector<double> lengths_;                     ///< Of edges_: graph_paths_from().
   std::vector<std::vector<std::size_t>> edges_of_;  ///< Into edges_.
   std::map<int, std::int64_t> first_of_submap_;     ///< The first keyframe of each anchors it.
+  std::size_t decided_edges_ = 0;                   ///< Those that were there when all keyframes were optimized last.
   VarianceFactor noise_;
   std::int64_t first_changed_ = 0;  ///< Of the poses, since take_changes().
   std::set<std::int64_t> merged_;   ///< Whose covariances a merge changed since then.

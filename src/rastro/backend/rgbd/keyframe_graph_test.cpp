@@ -301,6 +301,29 @@ TEST(KeyframeGraph, ALoopReducesTheErrorAgainstGroundTruth) {
   }
 }
 
+/// As many iterations as a large graph would take; stages begin at a price at which a wrong loop costs much more.
+TEST(KeyframeGraph, InALargeGraphOnlyANewLoopThatIsFarOffIsIntroducedInStages) {
+  double cost_of_small = 0.0;
+  for (const int iterations : {50, 10000}) {
+    RgbdSlamOptions options;
+    options.optimize_iterations = iterations;
+    Walk walk(options);
+    for (const auto& [from, to] : {std::pair{0, 39}, {1, 38}, {2, 37}, {10, 30}}) walk.close(from, to);
+    walk.close(5, 25, SE3(SO3::exp({0.0, 0.0, 0.8}), {1.5, -1.0, 0.5}));
+    walk.graph.optimize(true);
+    for (std::size_t e = 39; e < 42; ++e) EXPECT_GT(walk.graph.edges()[e].weight, 0.5) << "far off, but right";
+    ASSERT_LT(walk.graph.edges()[43].weight, 0.05);
+    const SE3 seen = walk.graph.pose(3).inverse() * walk.graph.pose(36);
+    walk.graph.add_edge(edge_of(3, 36, seen, ConstraintKind::loop, 0.01, 0.01));
+    const double cost = walk.graph.optimize(true).first_cost;
+    if (iterations == 50) {
+      cost_of_small = cost;
+    } else {
+      EXPECT_LT(cost, 0.5 * cost_of_small) << "all edges had the stages";
+    }
+  }
+}
+
 TEST(KeyframeGraph, AContradictingLoopHasNoWeight) {
   for (const char* loops : {"switchable", "robust"}) {
     RgbdSlamOptions options;

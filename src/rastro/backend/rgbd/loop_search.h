@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -37,8 +38,11 @@ class LoopSearch {
 
   /// The next keyframe of a given map, in their order; its features are in long-term memory.
   virtual void know(const Signature& /*signature*/, double /*weight*/) {}
+  /// Of a given map; and each that was found without a new keyframe.
   virtual void know_constraints(std::span<const Constraint> /*constraints*/) {}
 
+  /// In memory, of what places are recognized by.
+  virtual std::size_t bytes() const { return 0; }
   /// Features that left memory can be read again: they are in the map, with their words.
   virtual bool has_long_term_memory() const { return false; }
   /// The visual words of the newest keyframe's first features, one each.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "rastro/backend/acceptance.h"
@@ -147,6 +148,7 @@ MapRevision Mapper::connect(Constraint edge) {
   if (graph_.steps_between(edge.from, edge.to, options_.loop_steps) >= options_.loop_steps)
     edge.kind = ConstraintKind::loop;
   accept(edge, revision);
+  search_->know_constraints(std::span<const Constraint>(&edge, 1));
   correct(graph_.size() - 1, {edge}, revision);
   revise(revision);
   return revision;
@@ -356,7 +358,7 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
     return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
   };
   const auto loops = count(ConstraintKind::loop), merges = count(ConstraintKind::merge);
-  const bool all = maps_ && (loops > 0 || merges > 0);
+  const bool all = maps_ && (loops > 0 || merges > 0) && !is_stopped();
   const PoseGraphResult result = graph_.optimize(all);
   graph_.settle_covariance(id);
   if (loops > 0 && maps_)
@@ -371,8 +373,8 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
 std::size_t Mapper::map_bytes() const {
   constexpr std::size_t a_keyframe = 2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)),
                         a_constraint = 2 * sizeof(Constraint), a_frame = sizeof(SE3) + 2 * sizeof(std::int64_t);
-  return bytes_ + static_cast<std::size_t>(graph_.size()) * a_keyframe + graph_.edges().size() * a_constraint +
-         frames_ * a_frame;
+  return bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
+         graph_.edges().size() * a_constraint + frames_ * a_frame;
 }
 
 std::string Mapper::measures() const {
@@ -423,8 +425,7 @@ MappingState Mapper::state() const {
 
 MapRevision Mapper::settle() {
   MapRevision revision;
-  const bool stopped = stop_ && stop_->load();
-  if (maps_ && graph_.size() > 1 && !stopped) {
+  if (maps_ && graph_.size() > 1 && !is_stopped()) {
     const PoseGraphResult result = graph_.optimize_until_converged();
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
                                                           graph_.size(), result.first_cost, result.last_cost)});

@@ -96,6 +96,7 @@ class Mapper {
     Eigen::Vector3d evidence = Eigen::Vector3d::Zero();  ///< See LoopHypothesis.
   };
   Verified verify(std::int64_t other, std::int64_t id);
+  bool is_stopped() const { return stop_ && stop_->load(); }
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
   int inliers_for(ConstraintKind kind) const;
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);

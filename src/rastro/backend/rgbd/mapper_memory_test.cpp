@@ -51,6 +51,7 @@ class ForgettingSearch : public LoopSearch {
  public:
   explicit ForgettingSearch(bool remembers = false) : remembers_(remembers) {}
   bool has_long_term_memory() const override { return remembers_; }
+  std::size_t bytes() const override { return 12'345; }
   Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
     newest_ = id;
     if (id == 2) told_ = id;
@@ -77,6 +78,11 @@ TEST(Mapper, FeaturesOfAGivenMapStayInMemory) {
   EXPECT_TRUE(revision.forgotten.empty());
   EXPECT_EQ(revision.state.memory.measures, "");
   EXPECT_LT(revision.state.memory.bytes, 10'000'000U);
+}
+
+TEST(Mapper, TheMemoryIncludesWhatPlacesAreRecognizedBy) {
+  const Mapper mapper({}, test_room::camera(), {}, std::make_unique<ForgettingSearch>());
+  EXPECT_EQ(mapper.state().memory.bytes, 12'345U);
 }
 
 TEST(Mapper, FeaturesThatCameBackAreNoLongerInLongTermMemoryAlone) {

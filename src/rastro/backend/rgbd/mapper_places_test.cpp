@@ -16,7 +16,7 @@ using testing::edge_of;
 using testing::looking;
 using testing::room_frame;
 
-/// For one keyframe the first ones look like it; all others are compared with nothing.
+/// For one keyframe the first ones look like it; all others are compared with nothing. Notes what it is told of.
 class OldPlaces : public LoopSearch {
  public:
   OldPlaces(std::int64_t asked, std::vector<std::int64_t>& compared) : asked_(asked), compared_(compared) {}
@@ -28,6 +28,9 @@ class OldPlaces : public LoopSearch {
     if (id == asked_) compared_ = candidates.places;
   }
   std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override { return {}; }
+  void know_constraints(std::span<const Constraint> constraints) override {
+    for (const Constraint& edge : constraints) compared_.insert(compared_.end(), {edge.from, edge.to});
+  }
 
  private:
   std::int64_t asked_;
@@ -51,6 +54,15 @@ TEST(Mapper, ThreeEarlierPlacesThatFitAreEnough) {
     EXPECT_EQ(compared.size(), expected) << last;
     EXPECT_EQ(revision.new_edges.size(), 1U + expected);
   }
+}
+
+TEST(Mapper, AnEdgeBetweenPlacesRevisitedIsALinkBetweenThem) {
+  std::vector<std::int64_t> told;
+  Mapper mapper({}, test_room::camera(), {}, std::make_unique<OldPlaces>(1000, told));
+  for (std::int64_t id = 0; id < 3; ++id) add_in_place(mapper, id, 0);
+  ASSERT_TRUE(told.empty()) << "of a keyframe's own it is told otherwise";
+  mapper.connect(edge_of(2, 0, SE3(), ConstraintKind::proximity));
+  EXPECT_EQ(told, (std::vector<std::int64_t>{2, 0}));
 }
 
 /// Each connects a submap more.

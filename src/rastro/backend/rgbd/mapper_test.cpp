@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -135,14 +136,14 @@ TEST(Mapper, WithoutOdometryAMatchMayBeAsFarOffAsTheDriftOfThePathAndAMeter) {
 
 /// What happens when the camera comes back to a room. Views of another scene lie between: only odometry connects them.
 /// Which of the four is compared is random, so it comes back with up to 30 seeds.
-MapRevision way_back(RgbdSlamOptions options) {
+MapRevision way_back(RgbdSlamOptions options, const SlamContext& context = {}) {
   options.loop_steps = 4;
   options.last_candidates = options.graph_candidates = options.near_candidates = 0;
   options.random_candidates = 1;
   MapRevision revision;
   for (std::uint64_t seed = 1; seed < 30 && !has_event(revision, "loop_closed"); ++seed) {
     options.follow.seed = seed;
-    Mapper mapper(options, test_room::camera(), {});
+    Mapper mapper(options, test_room::camera(), context);
     mapper.add(order_of(0, beside(0), beside(0)));
     SE3 tracked = beside(0);
     for (int k = 1; k < 5; ++k) {
@@ -176,6 +177,15 @@ TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
               pose_near(beside(0).inverse() * beside(1), 0.04, 0.02));
   const SE3 between = pose_in(revision, 1).inverse() * pose_in(revision, 2);
   EXPECT_GT((between.translation() - Eigen::Vector3d(0.03, 0.0, 0.0)).norm(), 1e-4) << "the others share the error";
+}
+
+TEST(Mapper, AStoppedRunKeepsALoopWithoutMovingAll) {
+  const std::atomic<bool> stop = true;
+  SlamContext context;
+  context.stop = &stop;
+  const MapRevision revision = way_back({}, context);
+  EXPECT_EQ(edges_of_kind(revision, ConstraintKind::loop), 1);
+  EXPECT_FALSE(has_event(revision, "map_revised"));
 }
 
 TEST(Mapper, TwoSubmapsOfTheSamePlaceAreMerged) {

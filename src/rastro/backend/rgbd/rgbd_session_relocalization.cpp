@@ -23,7 +23,8 @@ void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamU
     counts_.localized = counts_.seen;
     const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
     const auto near = map_.nearest(pose, map_.submap(anchor_.keyframe), options_);
-    if (const auto found = relocalizer_.find_among(frame, map_.keyframes(), near, seed)) {
+    const auto found = relocalizer_.find_among(frame, map_.keyframes(), near, seed);
+    if (found && found->looks_alike) {
       anchor_at(found->keyframe, found->constraint);
       from_keyframe = anchor_.reference_covariance;
       follower_.move(anchor_.world_from_reference * pose.inverse());

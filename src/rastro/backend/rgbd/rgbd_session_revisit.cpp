@@ -28,7 +28,7 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   if (known.empty() || frame.depth.empty()) return false;
   const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
   const auto found = relocalizer_.find_among(frame, map_.keyframes(), known, seed);
-  if (!found) return false;
+  if (!found || !found->looks_alike) return false;
   const Matrix6d of_match = found->constraint.information.inverse(), of_path = covariance_of(pose, from_keyframe);
   const SE3 matched = map_.pose(found->keyframe) * found->constraint.a_from_b;
   const Matrix6d both = of_path + chained(map_.covariance(found->keyframe), found->constraint.a_from_b, of_match);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <utility>
 
 #include "rastro/backend/rgbd/rgbd_session.h"
@@ -57,6 +58,39 @@ TEST(RgbdSession, ARevisitedPlaceMakesThePoseSurerThanPathOrMatchAlone) {
   EXPECT_EQ(map->keyframes.size(), 1U);
   EXPECT_TRUE(map->constraints.empty()) << "an edge leads to another keyframe";
   EXPECT_EQ(session.trajectory().size(), 7U);
+}
+
+/// No patch looks as alike as that.
+RgbdSlamOptions nothing_looks_alike() {
+  RgbdSlamOptions options = revisiting();
+  options.min_alike = 1.0;
+  return options;
+}
+
+TEST(RgbdSession, AMatchThatLooksDifferentIsNoPlaceRevisited) {
+  RgbdSession session(nothing_looks_alike(), test_room::camera(), {});
+  for (int k = 0; k <= 4; ++k) session.process(room_frame(shown_aside(0.004 * k), k));
+  session.finish();
+  EXPECT_EQ(session.snapshot()->keyframes.size(), 2U);
+}
+
+TEST(RgbdSession, WithoutMappingAMatchThatLooksDifferentIsNotBelieved) {
+  for (const bool alike : {true, false}) {
+    RgbdSlamOptions options = alike ? revisiting() : nothing_looks_alike();
+    options.relocalize_every = 1;
+    options.keyframe_frames = 2;
+    options.dense_keyframes = 1000;
+    RgbdSession session(options, test_room::camera(), {});
+    std::int64_t index = 0;
+    for (; index < 6; ++index) session.process(room_frame(shown_aside(0.03 * static_cast<double>(index)), index));
+    ASSERT_TRUE(session.set_mapping(false));
+    const std::size_t mapped = session.snapshot()->frames.size();
+    for (; index < 11; ++index) session.process(room_frame(shown_aside(0.03 * static_cast<double>(10 - index)), index));
+    const auto map = session.snapshot();
+    std::set<KeyframeId> keyframes;
+    for (std::size_t i = mapped; i < map->frames.size(); ++i) keyframes.insert(map->frames[i].keyframe);
+    EXPECT_EQ(keyframes.size() > 1, alike) << keyframes.size();
+  }
 }
 
 /// Two places 0.3 m from each other; back at the first, the path since is an edge between their keyframes.

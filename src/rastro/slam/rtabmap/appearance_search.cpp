@@ -18,10 +18,10 @@ LocationFilterOptions filter_options(const RtabmapOptions& options) {
   return filter;
 }
 
-// What the parts of an iteration take on one core of a laptop, so that runs without a clock plan alike.
+// What the parts of an iteration that grow with working memory take on one core of a laptop, so that runs without a
+// clock plan alike. Matches do not count: transfer makes none of them shorter.
 constexpr double work_of_comparison_ms = 2e-6;  // of two descriptors
 constexpr double work_of_location_ms = 3e-4;    // by the Bayes filter
-constexpr double work_of_match_ms = 2.0;        // of two keyframes
 constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
 
 /// Without the direct index, which only matching of features needs.
@@ -57,7 +57,9 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   Random random(seed_for(options_.rgbd.follow.seed, static_cast<std::uint64_t>(id)));
   Candidates candidates{graph.candidates(id, random), {}, {}};
   if (words_.empty()) return candidates;
-  for (const std::int64_t location : likely_locations()) recall(location, candidates);
+  const std::vector<std::int64_t> likely = likely_locations();
+  if (means_.live) work_ms_ = clock_.lap_ms();
+  for (const std::int64_t location : likely) recall(location, candidates);
   const std::int64_t own = memory_.location_of(id);
   for (const std::int64_t location : similar_locations(graph, bag_of(graph.keyframe(id)), own))
     recall(location, candidates);
@@ -86,6 +88,7 @@ void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
   const Location* last = memory_.last();
   if (follows && last && shared_word_ratio(words_, last->words) > options_.rehearsal_similarity) {
     vocabulary_.release(words_);
+    words_added_ = 0;
     memory_.rehearse(id);
     return;
   }
@@ -205,8 +208,6 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
     tried_.erase(location);
     retrieve(graph, location);
   }
-  work_ms_ += work_of_match_ms * static_cast<double>(candidates.nearby.size() + candidates.places.size());
-  if (means_.live) work_ms_ = clock_.lap_ms();
   place_ = belief_about(id, candidates, accepted);
 }
 
@@ -234,13 +235,16 @@ PlaceBelief AppearanceSearch::belief_about(std::int64_t id, const Candidates& ca
 void AppearanceSearch::retrieve(const KeyframeGraph& graph, std::int64_t location) {
   if (memory_.at(location).stage != MemoryStage::long_term) return;
   const auto& words = memory_.at(location).words;
+  const std::size_t before = vocabulary_.size();
   vocabulary_.restore(words, graph.keyframe(location).features);
+  words_added_ += vocabulary_.size() - before;
   if (!words.empty()) index_.add(location, words);
   memory_.retrieve(location);
   immune_.insert(location);
 }
 
-/// One location a call: what was compared in vain first, then the least of working memory, as many words as were added.
+/// One location a call: what was compared in vain first, then the least of working memory, as many words as were added
+/// or came back.
 std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*graph*/, double fill) {
   if (!tried_.empty()) {
     const std::vector<std::int64_t> in_vain(tried_.begin(), tried_.end());
@@ -259,6 +263,21 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
   index_.remove(*least);
   memory_.transfer(*least);
   return memory_.at(*least).keyframes;
+}
+
+/// Sizes of the parts; `node`: what a container adds to an element, with its allocation. Vectors that grow have half as
+/// much again unused.
+std::size_t AppearanceSearch::bytes() const {
+  constexpr std::size_t node = 40;
+  // In a bucket of the vocabulary, by its id, and in the index with one or two holders.
+  constexpr std::size_t a_word = (sizeof(Descriptor) + sizeof(std::int64_t) + sizeof(int)) * 3 / 2 +
+                                 (node + 2 * sizeof(std::int64_t)) + (node + sizeof(std::vector<int>)) + node;
+  const auto words = static_cast<std::size_t>(options_.words_per_image),
+             features = static_cast<std::size_t>(options_.rgbd.keyframe_features);
+  // Its bag of words of the standard vocabulary, and its place in the inverted index of these.
+  const std::size_t in_places = features * (sizeof(std::pair<std::uint32_t, float>) * 5 / 2),
+                    a_location = sizeof(Location) + 4 * node + words * sizeof(std::int64_t) + in_places;
+  return vocabulary_.size() * a_word + memory_.size() * a_location + index_.size() * words * sizeof(std::int64_t);
 }
 
 void AppearanceSearch::know(const Signature& signature, double weight) {
@@ -297,9 +316,16 @@ std::vector<std::pair<std::int64_t, double>> AppearanceSearch::changed_weights()
   return weights;
 }
 
+/// Of short-term memory too: a camera that was lost is most often where it was a moment ago.
 std::vector<std::int64_t> AppearanceSearch::similar(const ImageFeatures& seen) const {
+  const BagOfWords words = bag_of(seen);
+  std::vector<PlaceMatch> matches = places_.find(words);
+  for (const auto& [location, bag] : waiting_)
+    if (const double score = similarity(words, bag); score > 0.0) matches.push_back({location, 0, score});
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const PlaceMatch& a, const PlaceMatch& b) { return a.score > b.score; });
   std::vector<std::int64_t> ids;
-  for (const PlaceMatch& match : places_.find(bag_of(seen)))
+  for (const PlaceMatch& match : matches)
     if (ids.size() < most_similar) ids.push_back(match.id);
   return ids;
 }

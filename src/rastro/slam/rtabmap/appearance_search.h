@@ -36,6 +36,7 @@ class AppearanceSearch : public LoopSearch {
   void on_matched(const KeyframeGraph& graph, std::int64_t id, const Candidates& candidates,
                   std::span<const Constraint> accepted) override;
   std::vector<std::int64_t> transfer(const KeyframeGraph& graph, double fill) override;
+  std::size_t bytes() const override;
   bool has_long_term_memory() const override { return true; }
   void know(const Signature& signature, double weight) override;
   void know_constraints(std::span<const Constraint> constraints) override;
@@ -46,7 +47,7 @@ class AppearanceSearch : public LoopSearch {
 
   const LocationMemory& memory() const { return memory_; }
   const LocationFilter::Belief& belief() const { return filter_.belief(); }
-  /// Of the last keyframe, by the count that decides about transfer.
+  /// Of the last keyframe, by the count that decides about transfer: words and Bayes filter.
   double work_ms() const { return work_ms_; }
 
  private:

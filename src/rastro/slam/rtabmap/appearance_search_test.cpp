@@ -63,6 +63,7 @@ class Walk {
     }
   }
   const AppearanceSearch& search() const { return search_; }
+  const ImageFeatures& image(std::int64_t id) const { return *kept_[static_cast<std::size_t>(id)]; }
   MemoryStage stage(std::int64_t location) const { return search_.memory().at(location).stage; }
 
  private:
@@ -137,6 +138,19 @@ TEST(AppearanceSearch, ShortTermMemoryIsNotSearched) {
   Walk walk(options);
   walk.visit_all(0, 19);
   EXPECT_THAT(walk.visit(5).places, IsEmpty());
+}
+
+TEST(AppearanceSearch, ALostFrameIsLookedForInShortTermMemoryToo) {
+  RtabmapOptions options = appearance_only();
+  options.short_term_size = 10;
+  Walk walk(options);
+  walk.visit_all(0, 19);
+  for (const int place : {5, 15}) {
+    const auto similar = walk.search().similar(walk.image(place));
+    ASSERT_FALSE(similar.empty()) << place;
+    EXPECT_EQ(similar.front(), place);
+    EXPECT_LE(similar.size(), 8U);
+  }
 }
 
 TEST(AppearanceSearch, ABudgetSmallerThanShortTermMemoryShortensIt) {
@@ -230,6 +244,45 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
   const double limit_ms = 0.2, of_a_location_ms = 0.01;
   EXPECT_GT(work_ms(limit_ms), limit_ms) << "until then nothing leaves";
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);
+}
+
+TEST(AppearanceSearch, WordsOfWorkingMemoryAndLocationsTakeMemory) {
+  const RtabmapOptions options = appearance_only();
+  Walk walk(options);
+  EXPECT_EQ(walk.search().bytes(), 0U);
+  walk.visit_all(0, 19);
+  const std::size_t before = walk.search().bytes();
+  EXPECT_GT(before, 20U * 16U * static_cast<std::size_t>(options.rgbd.keyframe_features));
+  walk.forget(1.0);
+  EXPECT_LT(walk.search().bytes(), before);
+}
+
+/// Else working memory would shrink until nothing is recognized in it, and no match would be spared.
+TEST(AppearanceSearch, MatchesAreNoWorkThatTransferShortens) {
+  RtabmapOptions options = appearance_only();
+  options.time_limit_ms = 1.0;
+  Walk walk(options);
+  walk.visit_all(0, 19);
+  EXPECT_THAT(walk.visit(5).places, Contains(5));
+  EXPECT_THAT(walk.forget(0.0), IsEmpty());
+}
+
+/// Place 6 comes back with place 5, so that its image adds no word; then its neighbors come back, with theirs.
+TEST(AppearanceSearch, AsManyWordsAsComeBackAreTransferred) {
+  RtabmapOptions options = appearance_only();
+  options.hypotheses = 0;
+  options.least_similarity = 1.0;
+  options.time_limit_ms = 0.0;
+  Walk walk(options);
+  walk.visit_all(0, 12);
+  walk.forget(1.0);
+  walk.visit(5);
+  walk.visit_all(30, 36);
+  ASSERT_EQ(walk.stage(6), MemoryStage::working);
+  ASSERT_THAT(walk.visit(6).retrieve, SizeIs(2));
+  const std::size_t before = walk.search().memory().working().size();
+  walk.forget(0.0);
+  EXPECT_LE(walk.search().memory().working().size() + 2, before) << "one location alone has fewer words";
 }
 
 TEST(AppearanceSearch, AKeyframeWithTooFewFeaturesIsNotTheWorkOfTheOneBefore) {

@@ -62,20 +62,24 @@ class RtabmapMethod : public SlamMethod {
     return pair;
   }
 
-  /// Depth z has the disparity f b / z, so that its sigma grows with its square.
+  /// Depth z has the disparity f b / z, so that its sigma grows with its square. What is not at its default stays.
   RgbdSlamOptions stereo_options(const StereoPair& pair) const {
     RgbdSlamOptions options = options_.rgbd;
+    const RgbdOptions usual = RtabmapOptions().rgbd.follow;
+    const auto follow = [&](auto member, const auto& value) {
+      if (options.follow.*member == usual.*member) options.follow.*member = value;
+    };
     const double focal_times_baseline = pair.camera.fx * pair.baseline;
-    options.follow.depth_sigma_m = 0.0;
-    options.follow.depth_sigma_per_m2 = options_.stereo_sigma_px / focal_times_baseline;
-    options.follow.min_depth_m = focal_times_baseline / options_.stereo_max_disparity_px;
-    options.follow.max_depth_m = focal_times_baseline / options_.stereo_min_disparity_px;
+    follow(&RgbdOptions::depth_sigma_m, 0.0);
+    follow(&RgbdOptions::depth_sigma_per_m2, options_.stereo_sigma_px / focal_times_baseline);
+    follow(&RgbdOptions::min_depth_m, focal_times_baseline / options_.stereo_max_disparity_px);
+    follow(&RgbdOptions::max_depth_m, focal_times_baseline / options_.stereo_min_disparity_px);
     constexpr double usual_sigma = 0.06;  // of poses from stereo depth where all is well
-    options.follow.weak_sigma = usual_sigma;
-    options.follow.learn_delay = false;  // both images are of one instant
+    follow(&RgbdOptions::weak_sigma, usual_sigma);
+    follow(&RgbdOptions::learn_delay, false);  // both images are of one instant
     // Where there is no texture, semi-global matching assumes smooth surfaces: no measurement to track by. A camera
     // that stands still would move with their noise.
-    options.follow.surfaces = "off";
+    follow(&RgbdOptions::surfaces, "off");
     return options;
   }
 

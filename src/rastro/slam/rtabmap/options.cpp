@@ -24,21 +24,22 @@ void add_sensor_options(OptionTable& table, RtabmapOptions& o) {
              &o.stereo_sigma_px,
              "px",
              "standard deviation of a disparity; with a stereo pair, depth_sigma_m and depth_sigma_per_m2 follow, and "
-             "surfaces are off",
+             "surfaces are off, where left at their defaults",
              0.01,
              10,
              {}});
   table.add({"stereo_min_disparity_px",
              &o.stereo_min_disparity_px,
              "px",
-             "smallest disparity used; with a stereo pair, max_depth_m follows",
+             "smallest disparity used; with a stereo pair, max_depth_m follows where left at its default",
              0.5,
              100,
              {}});
   table.add({"stereo_max_disparity_px",
              &o.stereo_max_disparity_px,
              "px",
-             "largest disparity searched for: nearer points have no depth, and time grows with it",
+             "largest disparity searched for: nearer points have no depth, and time grows with it; with a stereo pair, "
+             "min_depth_m follows where left at its default",
              16,
              512,
              {}});
@@ -87,8 +88,8 @@ void add_memory_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"time_limit_ms",
              &o.time_limit_ms,
              "ms",
-             "locations move to long-term memory when one keyframe took longer (T_time); by the clock in live runs, "
-             "else by counted work, so that every run does the same",
+             "locations move to long-term memory when words and Bayes filter of one keyframe took longer (T_time); by "
+             "the clock in live runs, else by counted work, so that every run does the same",
              0,
              1e6,
              {}});
@@ -102,7 +103,8 @@ void add_memory_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"memory_reserve_mb",
              &o.rgbd.memory_reserve_mb,
              "MB",
-             "part of --max-memory reserved for everything but the features of working memory",
+             "part of --max-memory reserved for everything but the features of working memory and what places are "
+             "recognized by",
              0,
              1e6,
              {}});

@@ -68,6 +68,21 @@ TEST(StereoSlam, AFrameWithoutItsRightImageIsNotFollowed) {
   EXPECT_THAT(update.world_from_body, pose_near(left_at(0).inverse() * left_at(2), 0.01, 0.005));
 }
 
+/// The map says what noise of the depth is assumed.
+TEST(StereoSlam, SettingsThatFollowFromThePairStayAsTheyWereSet) {
+  const auto noise_with = [](const char* name, const char* value) {
+    const auto method = rtabmap_slam_method();
+    OptionTable table = method->options();
+    if (*name != '\0') table.set(name, value, "a test");
+    return method->make(stereo_source(), {})->snapshot()->cameras.at(0).depth_noise;
+  };
+  const DepthNoise usual = noise_with("", "");
+  EXPECT_EQ(usual.sigma_m, 0.0);
+  const DepthNoise set = noise_with("depth_sigma_m", "0.05");
+  EXPECT_EQ(set.sigma_m, 0.05);
+  EXPECT_EQ(set.sigma_per_m2, usual.sigma_per_m2) << "the others follow";
+}
+
 /// What a source of `change` is refused with.
 std::string refusal(const std::function<void(SourceInfo&, OptionTable&)>& change) {
   const auto method = rtabmap_slam_method();
