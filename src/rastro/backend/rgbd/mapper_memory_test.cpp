@@ -68,13 +68,13 @@ class ForgettingSearch : public LoopSearch {
 };
 
 TEST(Mapper, FeaturesOfAGivenMapStayInMemory) {
-  const auto map = std::make_shared<const Map>(make_test_map(2));
+  const auto map = std::make_shared<const Map>(make_test_map(3));
   SlamContext context;
   context.map = map;
   Mapper mapper({}, test_room::camera(), context, std::make_unique<ForgettingSearch>());
   const SE3& view = map->keyframes[0].world_from_camera;
   const MapRevision revision =
-      mapper.add({2, room_frame(view, 7), view, 0, edge_of(0, 2, SE3(), ConstraintKind::proximity), 1});
+      mapper.add({3, room_frame(view, 7), view, 0, edge_of(0, 3, SE3(), ConstraintKind::proximity), 1});
   EXPECT_TRUE(revision.forgotten.empty());
   EXPECT_EQ(revision.state.memory.measures, "");
   EXPECT_LT(revision.state.memory.bytes, 10'000'000U);
@@ -96,9 +96,23 @@ TEST(Mapper, FeaturesThatCameBackAreNoLongerInLongTermMemoryAlone) {
   }
 }
 
+/// With the features of its keyframes in long-term memory.
+std::shared_ptr<const Map> map_with_signatures() {
+  auto map = std::make_shared<Map>(make_test_map(3));
+  auto signatures = std::make_shared<SignatureLayer>();
+  const auto store = std::make_shared<MemorySignatures>();
+  for (const auto& [id, image] : map->layer<FeatureLayer>()->of) {
+    store->add(id, {image, {}});
+    signatures->keyframes.push_back(id);
+  }
+  signatures->store = store;
+  map->layers.put<SignatureLayer>(std::move(signatures));
+  return map;
+}
+
 TEST(Mapper, FeaturesOfAMapThatIsContinuedAreInLongTermMemoryAlone) {
   SlamContext context;
-  context.map = std::make_shared<const Map>(make_test_map(3));
+  context.map = map_with_signatures();
   context.extend_map = true;
   const RgbdSlamOptions options;
   context = with_usable_map(context, test_room::camera(), options);
