@@ -37,7 +37,9 @@ bool LsdRelocalization::begin_near(const LsdFrame& frame, const CurrentKeyframe&
                                    const PoseSearch& search) {
   const JudgedAlignment tracked = search.track(current, frame.pyramid, {last.camera_from_keyframe, SE3(), last.missed});
   if (tracked.verdict.grade != PoseGrade::tracking) return false;
-  const bool is_near = last.missed <= short_loss && tracked.jump_deg <= options_.max_jump_deg;
+  // The camera went on meanwhile.
+  const double reach_deg = options_.max_jump_deg * (last.missed + 1);
+  const bool is_near = last.missed <= short_loss && tracked.jump_deg <= reach_deg;
   hypothesis_.emplace(Hypothesis{std::nullopt, current.id(), {}, {}, {}, search, is_near});
   add(frame, tracked);
   return true;

@@ -16,7 +16,7 @@ namespace rastro {
 
 /// Finds a lost camera again: near its last pose, or in the keyframes that share most visual words with the frame. What
 /// it finds is a hypothesis until several frames in a row follow it without doubt: one frame may fit a wrong keyframe.
-/// Only next to the last pose, right after the loss, one is enough: at most max_jump_deg farther with each frame.
+/// Only next to the last pose, right after the loss, one is enough.
 class LsdRelocalization {
  public:
   using MakeKeyframe = std::function<CurrentKeyframe(std::int64_t id)>;

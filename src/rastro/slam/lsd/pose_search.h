@@ -26,7 +26,7 @@ struct ExpectedMotion {
 struct JudgedAlignment {
   ImageAlignment alignment;
   PoseVerdict verdict;
-  double jump_deg = 0.0;  ///< View change from what was expected, of each frame: the camera went on in those missed.
+  double jump_deg = 0.0;  ///< View change from what was expected.
 };
 
 /// Aligns a frame with a keyframe from several guesses, until one gives a pose without doubt: the motion goes on; it
