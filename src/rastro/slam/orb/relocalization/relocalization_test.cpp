@@ -131,6 +131,7 @@ TEST(Relocalization, NoKeyframeIsMadeRightAfter) {
   ASSERT_TRUE(bench.relocalize(10, 1.0));
   TrackingResult weak;
   weak.reference = 1;
+  weak.inliers = 200;
   const auto frame = bench.observe(11, bench.stop(1.0)).frame;
   bench.session.frame_number = 50 + 19;
   EXPECT_FALSE(bench.keyframes.needs_keyframe(*frame, weak));
