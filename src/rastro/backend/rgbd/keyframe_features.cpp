@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "rastro/backend/rgbd/keyframe_matcher.h"
 
@@ -32,18 +31,6 @@ void append(const Features& from, std::size_t i, Features& to) {
   const auto begin = from.floats.begin() + static_cast<std::ptrdiff_t>(i) * length;
   if (length > 0) to.floats.insert(to.floats.end(), begin, begin + length);
   if (length == 0) to.descriptors.push_back(from.descriptors[i]);
-}
-
-/// Of one strength in the order found.
-Features strongest_first(const Features& all) {
-  std::vector<std::size_t> order(all.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return all.keypoints[a].response > all.keypoints[b].response; });
-  Features result;
-  result.length = all.length;
-  for (const std::size_t i : order) append(all, i, result);
-  return result;
 }
 
 /// The strongest of each cell of the image first, then the second of each, until there are enough.
@@ -111,8 +98,8 @@ KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options) : options_(op
 
 Features KeyframeFeatures::detect(const Frame& frame, std::size_t most) {
   if (!orb_) return spread(extractor_->extract(frame.image.view()), frame, most);
-  // They come level by level, of which the words of a keyframe's first features would see the finest alone.
-  const Features features = strongest_first(orb_->extract(frame.image.view(), frame.mask.view()));
+  Features features = orb_->extract(frame.image.view(), frame.mask.view());
+  features.levels.clear();
   return features.size() <= most ? features : spread(features, frame, most);
 }
 

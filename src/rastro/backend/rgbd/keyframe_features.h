@@ -16,7 +16,7 @@ namespace rastro {
 class KeyframeFeatures {
  public:
   explicit KeyframeFeatures(const RgbdSlamOptions& options);
-  /// None where the mask is zero; strongest first. Sets only features and depths of the result.
+  /// None where the mask is zero; strongest first, but for "even_orb". Sets only features and depths of the result.
   /// `share`: fraction of the usual number of features.
   ImageFeatures extract(const Frame& frame, double share = 1.0);
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <set>
 
 #include "rastro/backend/rgbd/rgbd_testing.h"
 
@@ -158,43 +157,10 @@ TEST(KeyframeFeatures, AreSpreadOverTheImage) {
 }
 
 TEST(KeyframeFeatures, AreStrongestFirst) {
-  for (const char* kind : {"orb", "even_orb"}) {
-    RgbdSlamOptions options = few_features(150);
-    options.descriptor = kind;
-    const ImageFeatures keyframe = KeyframeFeatures(options).extract(unknown_frame(5));
-    const auto& points = keyframe.features.keypoints;
-    EXPECT_GT(points.size(), 100U) << kind;
-    EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), [](const Keypoint& a, const Keypoint& b) {
-      return a.response > b.response;
-    })) << kind;
-  }
-}
-
-/// Words are made of the first.
-TEST(KeyframeFeatures, TheFirstAreOfManyLevelsOfThePyramid) {
-  RgbdSlamOptions options;
-  options.descriptor = "even_orb";
-  const Frame frame = unknown_frame(5);
-  const ImageFeatures keyframe = KeyframeFeatures(options).extract(frame);
-  const Features found = OrbExtractor({.features = options.keyframe_features}).extract(frame.image.view(), {});
-  ASSERT_EQ(keyframe.features.size(), found.size());
-  ASSERT_GT(found.size(), 300U);
-  std::set<float> first_sizes, first_sizes_found;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const Keypoint& point = keyframe.features.keypoints[i];
-    if (i < found.size() / 2) {
-      first_sizes.insert(point.size_px);
-      first_sizes_found.insert(found.keypoints[i].size_px);
-    }
-    const auto same = std::find_if(found.keypoints.begin(), found.keypoints.end(), [&](const Keypoint& each) {
-      return each.x == point.x && each.y == point.y && each.size_px == point.size_px;
-    });
-    ASSERT_NE(same, found.keypoints.end());
-    EXPECT_EQ(keyframe.features.descriptors[i],
-              found.descriptors[static_cast<std::size_t>(same - found.keypoints.begin())])
-        << "descriptors stay with their keypoints";
-  }
-  EXPECT_GT(first_sizes.size(), first_sizes_found.size()) << "which come level by level";
+  const ImageFeatures keyframe = KeyframeFeatures(few_features(150)).extract(unknown_frame(5));
+  const auto& points = keyframe.features.keypoints;
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end(),
+                             [](const Keypoint& a, const Keypoint& b) { return a.response > b.response; }));
 }
 
 TEST(KeyframeFeatures, NoneWhereTheMaskIsZero) {
