@@ -34,8 +34,6 @@ KeyframeDepths::KeyframeDepths(const LsdOptions& options, const LsdSensor& senso
   else if (!sensor.is_metric())
     depth_.start_random(seed_for(options.seed, static_cast<std::uint64_t>(id)));
   begin(id, frame, SE3());
-  // Those of one camera are about 1; meters are so only by chance.
-  if (const double mean = depth_.mean(); sensor.is_metric() && mean > 0.0) depth_.expect(mean);
 }
 
 void KeyframeDepths::begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color) {
