@@ -29,7 +29,7 @@ struct RtabmapOptions {
   // Memory.
   int short_term_size = 30;
   double rehearsal_similarity = 0.2;
-  double time_limit_ms = 30.0;
+  double time_limit_ms = 10.0;
   int retrieved_neighbors = 2;
 
   // Bayes filter.
