@@ -34,7 +34,7 @@ inline std::string text_of_layers(const Map& map) {
     text += "\n" + name + "\n";
     if (!type) continue;
     text += type->header(*layer);
-    for (const std::int64_t id : type->rows(map, *layer)) text += fmt::format("\n{} ", id) + type->row(*layer, id);
+    for (const std::int64_t id : type->rows(*layer)) text += fmt::format("\n{} ", id) + type->row(*layer, id);
   }
   return text;
 }

@@ -33,7 +33,7 @@ class KeyframeLayerType : public LayerType {
   virtual std::shared_ptr<const Thing> thing_of(KeyframeId id, std::string_view body,
                                                 const std::string& where) const = 0;
 
-  std::vector<std::int64_t> rows(const Map&, const Layer& layer) const override {
+  std::vector<std::int64_t> rows(const Layer& layer) const override {
     std::vector<std::int64_t> ids;
     for (const auto& [id, thing] : typed(layer).of) ids.push_back(id);
     return ids;

@@ -45,7 +45,7 @@ class LayerType {
   virtual std::string name() const = 0;  ///< The layer's layer_name: lowercase letters and '_'.
 
   virtual std::string header(const Layer&) const { return {}; }
-  virtual std::vector<std::int64_t> rows(const Map& map, const Layer& layer) const = 0;  ///< Ids, ascending.
+  virtual std::vector<std::int64_t> rows(const Layer& layer) const = 0;  ///< Ids, ascending.
   virtual std::string row(const Layer& layer, std::int64_t id) const = 0;
   /// Whether a row is the same in both, so that it need not be written again.
   virtual bool same_row(const Layer& before, const Layer& now, std::int64_t id) const {

@@ -61,7 +61,7 @@ class StoredLayerType : public LayerType {
   virtual std::string body_of(const Item& item) const = 0;
   virtual Item item_of(std::string_view body, const std::string& where) const = 0;
 
-  std::vector<std::int64_t> rows(const Map&, const Layer& layer) const override { return typed(layer).keyframes; }
+  std::vector<std::int64_t> rows(const Layer& layer) const override { return typed(layer).keyframes; }
   std::string row(const Layer& layer, std::int64_t id) const override { return body_of(typed(layer).store->read(id)); }
   bool same_row(const Layer&, const Layer&, std::int64_t) const override { return true; }
   bool stays_in_file() const override { return true; }

@@ -156,7 +156,7 @@ TEST(FeatureLayer, EachInconsistencyIsReportedAndRemovedByRepair) {
   sound.images[0].right_x = {3.0F};
   EXPECT_EQ(contradiction_in(sound.with_images()), "");
   EXPECT_EQ(features_type()
-                .rows(sound.map(), *features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
+                .rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
                 .size(),
             2U);
   for (const auto& [words, damage] : damages) {
@@ -165,11 +165,11 @@ TEST(FeatureLayer, EachInconsistencyIsReportedAndRemovedByRepair) {
     views.with_images();
     EXPECT_NE(contradiction_in(views.map()).find(words), std::string::npos) << contradiction_in(views.map());
     const auto kept = features_type().repaired(views.map(), views.map().layer<FeatureLayer>());
-    EXPECT_EQ(features_type().rows(views.map(), *kept), std::vector<std::int64_t>{0}) << words;
+    EXPECT_EQ(features_type().rows(*kept), std::vector<std::int64_t>{0}) << words;
   }
   sound.map().keyframes.pop_back();
   EXPECT_EQ(features_type()
-                .rows(sound.map(), *features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
+                .rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
                 .size(),
             1U);
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "rastro/base/error.h"
 #include "rastro/map/file/image_bytes.h"
@@ -86,7 +87,7 @@ class GrowingMapFile::State {
     stop(true);
     const std::lock_guard lock(database_->mutex);
     close();
-    written_.reset();
+    written_ = {};
     replace_file(aside, file_);
     database_->database.emplace(Database::open(file_));
   }
@@ -122,17 +123,18 @@ class GrowingMapFile::State {
   }
 
   /// Methods do not know where their frames come from.
-  std::shared_ptr<const Map> with_recording(const std::shared_ptr<const Map>& map) const {
-    if (recording_.empty() || map->sessions.empty() || !map->sessions.back().recording.empty()) return map;
-    auto named = std::make_shared<Map>(*map);
-    named->sessions.back().recording = recording_;
-    return named;
+  std::vector<MapSession> with_recording(std::vector<MapSession> sessions) const {
+    if (!recording_.empty() && !sessions.empty() && sessions.back().recording.empty())
+      sessions.back().recording = recording_;
+    return sessions;
   }
 
   void write(const Map* map) {
     const std::lock_guard lock(database_->mutex);
     Database& database = open();
-    if (map) write_changes(written_.get(), *map, LayersWritten::without_those_that_stay_in_file, database);
+    if (map)
+      write_changes(*map, with_recording(map->sessions), LayersWritten::without_those_that_stay_in_file, written_,
+                    database);
     database.run("COMMIT; BEGIN");
   }
 
@@ -160,9 +162,7 @@ class GrowingMapFile::State {
     const Clock::time_point begin = Clock::now();
     std::exception_ptr failure;
     try {
-      const auto named = map ? with_recording(map) : map;
-      write(named.get());
-      if (named) written_ = named;
+      write(map.get());
     } catch (...) {
       failure = std::current_exception();
     }
@@ -201,7 +201,7 @@ class GrowingMapFile::State {
   std::size_t written_keyframes_ = 0;
   std::exception_ptr failure_;
   std::thread writer_;
-  std::shared_ptr<const Map> written_;  ///< The writer's own; others may use it once it has ended.
+  WrittenMap written_;  ///< The writer's own; others may use it once it has ended.
 };
 
 GrowingMapFile::GrowingMapFile(std::filesystem::path file, std::string recording)

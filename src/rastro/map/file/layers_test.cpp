@@ -60,7 +60,7 @@ TEST(Layers, EachAloneIsReadAndWrittenAgainTheSame) {
     ASSERT_TRUE(loaded->layers.find(name));
     const LayerType& type = *layer_type(name);
     EXPECT_EQ(type.header(*loaded->layers.find(name)), type.header(*all().layers.find(name)));
-    EXPECT_EQ(type.rows(*loaded, *loaded->layers.find(name)), type.rows(map, *all().layers.find(name)));
+    EXPECT_EQ(type.rows(*loaded->layers.find(name)), type.rows(*all().layers.find(name)));
   }
 }
 
@@ -182,7 +182,7 @@ TEST(Layers, BytesThatEndTooEarlyOrTooLateAreErrors) {
     if (!header.empty()) {
       EXPECT_THROW(type.make(header + '\0', where), Error);
     }
-    const std::int64_t id = type.rows(all(), layer).front();
+    const std::int64_t id = type.rows(layer).front();
     const std::string body = type.row(layer, id);
     const auto read = [&](const std::string& bytes) { type.read(*type.make(header, where), id, bytes, where); };
     EXPECT_NO_THROW(read(body));
@@ -203,7 +203,7 @@ TEST(Layers, ARepairedOneFitsAMapThatLostKeyframes) {
     EXPECT_NE(type.contradiction(map, *layer), "");
     const auto repaired = type.repaired(map, layer);
     EXPECT_EQ(type.contradiction(map, *repaired), "");
-    EXPECT_FALSE(type.rows(map, *repaired).empty());
+    EXPECT_FALSE(type.rows(*repaired).empty());
   }
 }
 

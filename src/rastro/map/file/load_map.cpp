@@ -36,7 +36,7 @@ void read_every_row(const Map& map) {
   for (const auto& [name, layer] : map.layers.all()) {
     const LayerType* type = layer_type(name);
     if (!type || !type->stays_in_file()) continue;
-    for (const std::int64_t id : type->rows(map, *layer)) type->row(*layer, id);
+    for (const std::int64_t id : type->rows(*layer)) type->row(*layer, id);
   }
 }
 

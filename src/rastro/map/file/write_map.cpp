@@ -6,7 +6,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <system_error>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/map/file/bytes.h"
@@ -37,27 +39,6 @@ void remove_log(const std::filesystem::path& file) {
   }
 }
 
-bool same(const SE3& a, const SE3& b) {
-  return a.translation() == b.translation() && a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
-}
-
-bool same(const Keyframe& a, const Keyframe& b) {
-  return a.frame == b.frame && a.stamp == b.stamp && a.camera == b.camera && a.submap == b.submap &&
-         a.parent == b.parent && a.weight == b.weight && same(a.world_from_camera, b.world_from_camera);
-}
-
-bool same(const Constraint& a, const Constraint& b) {
-  return a.from == b.from && a.to == b.to && a.kind == b.kind && a.weight == b.weight && a.inliers == b.inliers &&
-         a.information == b.information && a.from_from_to.matrix() == b.from_from_to.matrix();
-}
-
-bool same(const MapFrame& a, const MapFrame& b) {
-  return a.stamp == b.stamp && a.keyframe == b.keyframe && same(a.keyframe_from_camera, b.keyframe_from_camera);
-}
-
-bool same(const MapCamera& a, const MapCamera& b) { return body_of(a) == body_of(b); }
-bool same(const MapSession& a, const MapSession& b) { return body_of(a) == body_of(b); }
-
 /// Compares two ascending lists of ids: removed ones, and current ones, new or not.
 template <typename Gone, typename There>
 void compare_ids(const std::vector<std::int64_t>& before, const std::vector<std::int64_t>& now, Gone gone,
@@ -72,28 +53,28 @@ void compare_ids(const std::vector<std::int64_t>& before, const std::vector<std:
   for (; b < before.size(); ++b) gone(before[b]);
 }
 
-std::vector<std::int64_t> ids_of(const std::vector<Keyframe>& keyframes) {
-  std::vector<std::int64_t> ids;
-  for (const Keyframe& keyframe : keyframes) ids.push_back(keyframe.id);
-  return ids;
-}
-
-template <typename Item>
-void write_list(const std::string& table, const std::vector<Item>& before, const std::vector<Item>& now,
+/// Rows named by an ascending id.
+template <typename Item, typename IdOf>
+void write_list(const std::string& table, const std::vector<Item>& items, const IdOf& id_of, WrittenMap& written,
                 Database& database) {
-  for (std::size_t i = 0; i < now.size(); ++i)
-    if (i >= before.size() || !same(before[i], now[i]))
-      database.put(table, static_cast<std::int64_t>(i), body_of(now[i]));
-  for (std::size_t i = now.size(); i < before.size(); ++i) database.remove(table, static_cast<std::int64_t>(i));
-}
-
-void write_keyframes(const Map& before, const Map& now, Database& database) {
-  compare_ids(
-      ids_of(before.keyframes), ids_of(now.keyframes), [&](std::int64_t id) { database.remove("keyframes", id); },
-      [&](std::int64_t id, bool known) {
-        const Keyframe& keyframe = *now.find(id);
-        if (!known || !same(*before.find(id), keyframe)) database.put("keyframes", id, body_of(keyframe));
-      });
+  std::vector<WrittenMap::Row>& rows = written.tables[table];
+  std::vector<WrittenMap::Row> now;
+  now.reserve(items.size());
+  auto before = rows.begin();
+  const auto remove_until = [&](auto is_past) {
+    for (; before != rows.end() && !is_past(before->id); ++before) database.remove(table, before->id);
+  };
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::int64_t id = id_of(i);
+    const std::string body = body_of(items[i]);
+    now.push_back({id, std::hash<std::string>()(body)});
+    remove_until([id](std::int64_t other) { return other >= id; });
+    const bool known = before != rows.end() && before->id == id;
+    if (!known || before->hash != now.back().hash) database.put(table, id, body);
+    if (known) ++before;
+  }
+  remove_until([](std::int64_t) { return false; });
+  rows = std::move(now);
 }
 
 void write_unknown(const std::string& table, const UnknownLayer& layer, Database& database) {
@@ -101,13 +82,13 @@ void write_unknown(const std::string& table, const UnknownLayer& layer, Database
   for (const auto& [id, body] : layer.rows) database.put(table, id, body);
 }
 
-void write_rows(const LayerType& type, const Map& before, const Map& now, Database& database) {
+void write_rows(const LayerType& type, const LayerSet& before, const LayerSet& now, Database& database) {
   const std::string table = table_of_layer(type.name());
-  const auto former = before.layers.find(type.name()), layer = now.layers.find(type.name());
+  const auto former = before.find(type.name()), layer = now.find(type.name());
   if (former == layer) return;
-  const auto ids = former ? type.rows(before, *former) : std::vector<std::int64_t>{};
+  const auto ids = former ? type.rows(*former) : std::vector<std::int64_t>{};
   compare_ids(
-      ids, type.rows(now, *layer), [&](std::int64_t id) { database.remove(table, id); },
+      ids, type.rows(*layer), [&](std::int64_t id) { database.remove(table, id); },
       [&](std::int64_t id, bool known) {
         if (!known || !type.same_row(*former, *layer, id)) database.put(table, id, type.row(*layer, id));
       });
@@ -122,22 +103,22 @@ std::string layer_body(const std::string& name, const Layer& layer) {
   return bytes.take();
 }
 
-void write_layers(const Map& before, const Map& now, LayersWritten which, Database& database) {
+void write_layers(const LayerSet& before, const LayerSet& now, LayersWritten which, Database& database) {
   std::vector<std::string> listed, listed_before;
-  for (const auto& [name, layer] : before.layers.all()) listed_before.push_back(layer_body(name, *layer));
-  for (const auto& [name, layer] : now.layers.all()) {
+  for (const auto& [name, layer] : before.all()) listed_before.push_back(layer_body(name, *layer));
+  for (const auto& [name, layer] : now.all()) {
     const std::string table = table_of_layer(name);
     database.need_table(table);
     listed.push_back(layer_body(name, *layer));
     const LayerType* type = layer_type(name);
     if (const auto* unknown = dynamic_cast<const UnknownLayer*>(layer.get())) {
-      if (before.layers.find(name) != layer) write_unknown(table, *unknown, database);
+      if (before.find(name) != layer) write_unknown(table, *unknown, database);
     } else if (type && (which == LayersWritten::all || !type->stays_in_file())) {
       write_rows(*type, before, now, database);
     }
   }
-  for (const auto& [name, layer] : before.layers.all())
-    if (!now.layers.find(name)) database.clear(table_of_layer(name));
+  for (const auto& [name, layer] : before.all())
+    if (!now.find(name)) database.clear(table_of_layer(name));
   for (std::size_t i = 0; i < listed.size(); ++i)
     if (i >= listed_before.size() || listed_before[i] != listed[i])
       database.put("layers", static_cast<std::int64_t>(i), listed[i]);
@@ -149,7 +130,8 @@ void write_map(const Map& map, const std::filesystem::path& file) {
   {
     Database database = Database::create(file);
     database.run("BEGIN");
-    write_changes(nullptr, map, LayersWritten::all, database);
+    WrittenMap written;
+    write_changes(map, map.sessions, LayersWritten::all, written, database);
     database.put("contents", contents_row, contents_body(database));
     database.run("COMMIT");
   }
@@ -158,20 +140,23 @@ void write_map(const Map& map, const std::filesystem::path& file) {
 
 }  // namespace
 
-void write_changes(const Map* before, const Map& now, LayersWritten layers, Database& database) {
-  const Map nothing;
-  const Map& former = before ? *before : nothing;
+void write_changes(const Map& now, const std::vector<MapSession>& sessions, LayersWritten layers, WrittenMap& written,
+                   Database& database) {
   const std::string head = head_body(now);
-  if (!before || head_body(*before) != head) {
+  if (written.head != head) {
     database.put("head", 0, head);
     database.put("contents", second_head_row, head);
+    written.head = head;
   }
-  write_list("cameras", former.cameras, now.cameras, database);
-  write_list("sessions", former.sessions, now.sessions, database);
-  write_keyframes(former, now, database);
-  write_list("constraints", former.constraints, now.constraints, database);
-  write_list("frames", former.frames, now.frames, database);
-  write_layers(former, now, layers, database);
+  const auto index = [](std::size_t i) { return static_cast<std::int64_t>(i); };
+  write_list("cameras", now.cameras, index, written, database);
+  write_list("sessions", sessions, index, written, database);
+  write_list(
+      "keyframes", now.keyframes, [&](std::size_t i) { return now.keyframes[i].id; }, written, database);
+  write_list("constraints", now.constraints, index, written, database);
+  write_list("frames", now.frames, index, written, database);
+  write_layers(written.layers, now.layers, layers, database);
+  written.layers = now.layers;
 }
 
 std::filesystem::path write_map_beside(const Map& map, const std::filesystem::path& file) {

@@ -71,7 +71,7 @@ class LandmarkLayerType : public LayerType {
  public:
   std::string name() const override { return LandmarkLayer::layer_name; }
 
-  std::vector<std::int64_t> rows(const Map&, const Layer& layer) const override {
+  std::vector<std::int64_t> rows(const Layer& layer) const override {
     std::vector<std::int64_t> ids;
     for (const Landmark& landmark : typed(layer).landmarks) ids.push_back(landmark.id);
     return ids;

@@ -73,7 +73,7 @@ TEST(LandmarkLayer, ARowReadsBackAsItWas) {
     LandmarkLayer layer = layer_of(map);
     if (estimated) add_estimates(layer);
     const auto again = std::static_pointer_cast<LandmarkLayer>(landmarks_type().make("", "here"));
-    for (const std::int64_t id : landmarks_type().rows(map, layer))
+    for (const std::int64_t id : landmarks_type().rows(layer))
       landmarks_type().read(*again, id, landmarks_type().row(layer, id), "here");
     ASSERT_EQ(again->landmarks.size(), 3U);
     ASSERT_EQ(again->estimates.size(), layer.estimates.size());
