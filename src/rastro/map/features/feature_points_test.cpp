@@ -155,10 +155,7 @@ TEST(FeatureLayer, EachInconsistencyIsReportedAndRemovedByRepair) {
   sound.images[0].features.levels = {7};
   sound.images[0].right_x = {3.0F};
   EXPECT_EQ(contradiction_in(sound.with_images()), "");
-  EXPECT_EQ(features_type()
-                .rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
-                .size(),
-            2U);
+  EXPECT_EQ(features_type().rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>())).size(), 2U);
   for (const auto& [words, damage] : damages) {
     TwoViews views = sound;
     damage(views.images[1]);
@@ -168,10 +165,7 @@ TEST(FeatureLayer, EachInconsistencyIsReportedAndRemovedByRepair) {
     EXPECT_EQ(features_type().rows(*kept), std::vector<std::int64_t>{0}) << words;
   }
   sound.map().keyframes.pop_back();
-  EXPECT_EQ(features_type()
-                .rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>()))
-                .size(),
-            1U);
+  EXPECT_EQ(features_type().rows(*features_type().repaired(sound.map(), sound.map().layer<FeatureLayer>())).size(), 1U);
 }
 
 TEST(FeatureLayer, DescribesTheNumberOfFeatures) {
