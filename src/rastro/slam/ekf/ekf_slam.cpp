@@ -22,6 +22,12 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 
 bool is_finite(const SE2& pose) { return pose.translation().allFinite() && std::isfinite(pose.rotation().angle()); }
 
+int pieces_of(const SE2& step) {
+  constexpr double longest_m = 0.2, widest_rad = 0.1, most = 100.0;
+  const double pieces = std::max(step.translation().norm() / longest_m, std::abs(step.rotation().angle()) / widest_rad);
+  return static_cast<int>(std::ceil(std::clamp(pieces, 1.0, most)));
+}
+
 /// The first reason stays: later ones often follow from it.
 void doubt(SlamUpdate& update, SlamReason reason, std::string detail) {
   update.state = SlamState::weak;
@@ -89,7 +95,10 @@ void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
   frozen_odometry_.add(frame);
   if (!last_.stamp) update.reason = SlamReason::first_frame;
   const Motion motion = last_.stamp ? motion_since_last(frame, update) : Motion();
-  filter_.predict(motion.last_from_body, motion.covariance);
+  // In short pieces, so that an error of the heading moves the rest of a long step sideways.
+  const int pieces = pieces_of(motion.last_from_body);
+  const SE2 piece = SE2::exp(motion.last_from_body.log() / pieces);
+  for (int i = 0; i < pieces; ++i) filter_.predict(piece, motion.covariance / pieces);
   blind_m_ += motion.last_from_body.translation().norm();
 }
 
@@ -190,7 +199,7 @@ void EkfSlam::correct(std::span<const BodyObservation> observations, std::span<c
     LandmarkRecord& record = records_[landmark];
     ++record.observations;
     record.last_frame = static_cast<std::int64_t>(trajectory_.size());
-    if (record.is_candidate() && record.observations >= options_.observations) confirm(landmark, update);
+    if (maps_ && record.is_candidate() && record.observations >= options_.observations) confirm(landmark, update);
     if (record.is_candidate()) continue;
     filter_.update(landmark, observations[i].in_body, observations[i].covariance);
     ++update.used;

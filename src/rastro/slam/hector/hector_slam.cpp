@@ -77,7 +77,8 @@ class HectorSlam::State {
   MapBudget budget_;
   std::string given_up_;  ///< The last measure to save memory; reported when it changes.
   std::vector<PosedScan> scans_;
-  std::size_t searched_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
+  std::size_t first_after_gap_ = 0;  ///< Key scan that followed the last missing scans.
+  std::size_t searched_up_to_ = 0;   ///< Loop closures of key scans before this one were searched for in older submaps.
   double path_m_ = 0.0;
   double unseen_path_m_ = 0.0;                      ///< Path length since all directions were last observable.
   Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  ///< Standard deviation gathered on it, local axes.
@@ -229,7 +230,7 @@ void HectorSlam::State::begin_submap_after_gap(const Frame& frame, const ScanPoi
                    *update.covariance);
   KeyScan key_scan{frame.index, frame.stamp, scan, followed.local_from_body, path_m_};
   key_scan.gap_sigma = followed.covariance.diagonal().cwiseSqrt();
-  scans_.back().key_scan = graph_.add_key_scan(std::move(key_scan), Eigen::Matrix3d::Zero());
+  scans_.back().key_scan = first_after_gap_ = graph_.add_key_scan(std::move(key_scan), Eigen::Matrix3d::Zero());
   ++revision_;
   update.events.push_back({"submap", fmt::format("{} started after missing scans", submap)});
 }
@@ -355,15 +356,20 @@ void HectorSlam::State::close_loops(SlamUpdate& update) {
   update.events.push_back({"map_revised", fmt::format("{} key scans in {} submaps", keys, graph_.submaps().size())});
 }
 
-/// What a loop closure ties the newest submaps to may be more certain than they are.
+/// What a loop closure ties the newest submaps to may be more certain than they are. One from before missing scans says
+/// nothing about what came after them.
 void HectorSlam::State::take_over_certainty(std::size_t first_loop) {
+  const Eigen::Vector3d sigma(options_.loop_sigma_m, options_.loop_sigma_m, options_.loop_sigma_rad);
+  const Eigen::Matrix3d of_loops = sigma.cwiseAbs2().asDiagonal();
   for (std::size_t l = first_loop; l < graph_.loops().size(); ++l) {
     const ClosedLoop& loop = graph_.loops()[l];
+    if (loop.key_scan < first_after_gap_) continue;
     const SE2 pose = graph_.world_from_key_scan(loop.key_scan);
     const Eigen::Vector3d position = in_space(pose).translation();
     const SO2 world_from_submap = graph_.world_from_submap(loop.submap).rotation();
-    const Matrix6d covariance = uncertainty_.of_pose(static_cast<std::int64_t>(loop.submap), position,
-                                                     in_space(in_rotated_axes(loop.covariance, world_from_submap)));
+    const Matrix6d covariance =
+        uncertainty_.of_pose(static_cast<std::int64_t>(loop.submap), position,
+                             in_space(in_rotated_axes(loop.covariance + of_loops, world_from_submap)));
     for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
       if (!graph_.submaps()[s]->finished()) uncertainty_.reduce(static_cast<std::int64_t>(s), position, covariance);
   }

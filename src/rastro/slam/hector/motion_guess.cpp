@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -87,7 +88,11 @@ double MotionGuess::gap_s(TimeNs stamp) const {
 ScanGuess MotionGuess::from_speed(TimeNs stamp) const {
   const Eigen::Vector3d step = scans_since_last(stamp) * step_;
   const SE2 moved(SO2::from_angle(step.z()), step.head<2>());
-  return {last_ * moved, 0.05 + 0.5 * step.head<2>().norm(), 0.05 + 0.5 * std::abs(step.z()), true};
+  // It may have gone on all the time, or stopped.
+  const double scans = gap_s(stamp) > 0.0 ? gap_s(stamp) / period_s() : scans_since_last(stamp);
+  const double beyond = std::max(0.0, scans - scans_since_last(stamp));
+  return {last_ * moved, 0.05 + 0.5 * step.head<2>().norm() + beyond * step_.head<2>().norm(),
+          std::min(0.05 + 0.5 * std::abs(step.z()) + beyond * std::abs(step_.z()), std::numbers::pi), true};
 }
 
 void MotionGuess::watch_odometry(const SE2& odometry_from_body, const SE2& moved) {

@@ -79,7 +79,7 @@ struct LsdOptions {
   int optimize_iterations = 20;
 
   // At the end.
-  int refine_iterations = 10;
+  int refine_iterations = 30;
   int refine_points = 800;
   int refine_targets = 5;
 

@@ -34,6 +34,12 @@ double intensity_at(const GrayView& image, double x, double y) {
          bottom * ((1.0 - right) * lower[0] + right * lower[1]);
 }
 
+double squared_gradient_at(const GrayView& image, int x, int y) {
+  const double across = 0.5 * (image.row(y)[x + 1] - image.row(y)[x - 1]),
+               upright = 0.5 * (image.row(y + 1)[x] - image.row(y - 1)[x]);
+  return across * across + upright * upright;
+}
+
 /// One pixel of a point's pattern as another keyframe sees it.
 struct Sample {
   std::size_t point = 0;
@@ -81,9 +87,7 @@ class PairSampler {
           v < target_.image.height - border_px - 1))
       return std::nullopt;
     sample.host = host_.image.row(y)[x];
-    const double across = 0.5 * (host_.image.row(y)[x + 1] - host_.image.row(y)[x - 1]),
-                 upright = 0.5 * (host_.image.row(y + 1)[x] - host_.image.row(y - 1)[x]);
-    sample.squared_gradient = across * across + upright * upright;
+    sample.squared_gradient = squared_gradient_at(host_.image, x, y);
     sample.target = intensity_at(target_.image, u, v);
     sample.gradient =
         0.5 * Eigen::Vector2d(intensity_at(target_.image, u + 1, v) - intensity_at(target_.image, u - 1, v),
@@ -137,7 +141,11 @@ class HostLinearizer {
  public:
   HostLinearizer(const std::vector<PhotometricKeyframe>& keyframes, std::size_t host, const Camera& camera,
                  const PhotometricBundleOptions& options)
-      : keyframes_(keyframes), host_(keyframes[host]), camera_(camera), options_(options) {}
+      : keyframes_(keyframes), host_(keyframes[host]), camera_(camera), options_(options) {
+    for (const PhotometricPoint& point : host_.points)
+      for (const Offset& offset : pattern)
+        weights_ += weight_of(squared_gradient_at(host_.image, point.x + offset.x, point.y + offset.y));
+  }
 
   double cost() const {
     double sum = 0.0;
@@ -179,6 +187,9 @@ class HostLinearizer {
     const double error = point.inverse_depth - point.measured;
     return 0.5 * measured_information(point) * error * error;
   }
+  double weight_of(double squared_gradient) const {
+    return 1.0 / (1.0 + squared_gradient / (options_.gradient_scale * options_.gradient_scale));
+  }
   /// Calls `use` with each sample, its residual and its weight; returns the cost.
   template <typename Use>
   double for_pair(std::int32_t index, const Use& use) const {
@@ -189,11 +200,11 @@ class HostLinearizer {
     const Brightness brightness = brightness_of(samples, options_.outlier);
     const double most = huber_cost(options_.outlier, options_.huber);
     // What is out of view costs as much as a hidden point, so that nothing is gained by looking away.
-    double cost = most * static_cast<double>(pattern.size() * host_.points.size() - samples.size());
+    double cost = most * weights_;
     for (const Sample& sample : samples) {
       const double residual = brightness.residual(sample), size = std::abs(residual);
-      const double weight = 1.0 / (1.0 + sample.squared_gradient / (options_.gradient_scale * options_.gradient_scale));
-      cost += weight * std::min(most, huber_cost(residual, options_.huber));
+      const double weight = weight_of(sample.squared_gradient);
+      cost += weight * (std::min(most, huber_cost(residual, options_.huber)) - most);
       if (size < options_.outlier)
         use(sample, residual, weight * (size <= options_.huber ? 1.0 : options_.huber / size));
     }
@@ -239,6 +250,7 @@ class HostLinearizer {
   const PhotometricKeyframe& host_;
   const Camera& camera_;
   const PhotometricBundleOptions& options_;
+  double weights_ = 0.0;  ///< Of all pixels around all points, in view or not.
 };
 
 class PhotometricBundle {
@@ -249,7 +261,7 @@ class PhotometricBundle {
 
   PhotometricBundleResult adjust() {
     PhotometricBundleResult result;
-    double damping = 1e-3;
+    double damping = 1e-4;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
       if (options_.begins) options_.begins(iteration);
       const std::vector<HostNormal> normals = linearize(damping);

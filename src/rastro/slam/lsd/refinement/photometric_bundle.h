@@ -37,7 +37,7 @@ struct PhotometricBundleOptions {
   double gradient_scale = 20.0;
   double intensity_sigma = 5.0;               ///< Of a residual, against which a measured depth counts.
   double outlier = 40.0;                      ///< Residuals count no more than this: the point is hidden there.
-  double least_gain = 1e-4;                   ///< Relative decrease of the cost below which an iteration is the last.
+  double least_gain = 1e-6;                   ///< Relative decrease of the cost below which an iteration is the last.
   std::function<void(int iteration)> begins;  ///< Called before each iteration. May be empty.
   std::function<bool()> stopped;  ///< Once true, the step at hand is dropped; the result so far stays. May be empty.
 };
