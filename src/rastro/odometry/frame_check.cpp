@@ -112,6 +112,11 @@ FrameCheckResult FrameCheck::check(GrayView image, TimeNs stamp) {
   return result;
 }
 
+void FrameCheck::forget_last() {
+  last_stamp_.reset();
+  last_.clear();
+}
+
 void FrameCheck::check_size(GrayView image) {
   if (image.empty()) return;
   if (width_ == 0) {

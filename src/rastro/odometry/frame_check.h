@@ -49,6 +49,8 @@ class FrameCheck {
   /// Frames in the order of the recording. All must have the size of the first non-empty one, else throws Error. An
   /// empty image counts as blank.
   FrameCheckResult check(GrayView image, TimeNs stamp);
+  /// The next frame is compared with none before it, so it may be the last one again.
+  void forget_last();
 
  private:
   void check_size(GrayView image);

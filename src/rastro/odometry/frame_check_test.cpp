@@ -92,5 +92,17 @@ TEST(FrameCheck, RefusesAnotherSize) {
   EXPECT_THROW(check.check(wave_image(161, 120, 0.0, 0.0), 10 * step), Error);
 }
 
+TEST(FrameCheck, AfterForgettingTheLastFrameMayComeAgain) {
+  FrameCheck check;
+  GrayImage image(64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) image.at(x, y) = static_cast<std::uint8_t>(37 * x + 91 * y);
+  EXPECT_TRUE(check.check(image.view(), 5).useful());
+  EXPECT_EQ(check.check(image.view(), 6).reason, OdometryReason::repeated_frame);
+  check.forget_last();
+  EXPECT_TRUE(check.check(image.view(), 6).useful());
+  EXPECT_EQ(check.check(image.view(), 7).reason, OdometryReason::repeated_frame);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -24,8 +24,12 @@ constexpr double largest_pitch = 0.2;
 constexpr float largest_difference = 20.0F;
 constexpr float not_seen = -1.0F;
 constexpr double nearest_depth = 0.1;
-// Steps between these, in camera heights, are usable: shorter ones hardly move the road, longer ones leave it.
-constexpr double shortest_step = 0.15, longest_step = 2.0;
+// A longer step, in camera heights, leaves the road behind.
+constexpr double longest_step = 2.0;
+// The image to compare with stays until the camera has moved by this share of its usual step: the direction of less is
+// noise.
+constexpr double least_share = 0.3;
+constexpr double step_memory = 0.1;
 constexpr int fewest_frames = 10;
 
 double height_at(double index) { return lowest * std::pow(highest / lowest, index / (heights - 1)); }
@@ -63,8 +67,11 @@ void GroundScale::add(GrayView image, const SE3& world_from_camera) {
   if (width_ != image.width || height_ != image.height) choose_samples(image);
   const bool comparable = last_pose_ && width_ == image.width && height_ == image.height;
   if (comparable) {
-    if (const auto costs = compare(image, world_from_camera.inverse() * *last_pose_))
-      (even_.frames == odd_.frames ? even_ : odd_).add(*costs);
+    const SE3 current_from_last = world_from_camera.inverse() * *last_pose_;
+    const double step = current_from_last.translation().norm();
+    if (step < least_share * usual_step_) return;
+    usual_step_ = usual_step_ > 0.0 ? (1.0 - step_memory) * usual_step_ + step_memory * step : step;
+    if (const auto costs = compare(image, current_from_last)) (even_.frames == odd_.frames ? even_ : odd_).add(*costs);
   }
   last_pose_ = world_from_camera;
   width_ = image.width;
@@ -106,7 +113,7 @@ std::optional<GroundScale::Costs> GroundScale::compare(GrayView image, const SE3
   Costs costs(static_cast<std::size_t>(heights), not_seen);
   for (int h = 0; h < heights; ++h) {
     const double height = height_at(h);
-    if (step < shortest_step * height || step > longest_step * height) continue;
+    if (step > longest_step * height) continue;
     costs[static_cast<std::size_t>(h)] = difference(image, rotated, current_from_last.translation() / height);
   }
   return costs;
@@ -165,11 +172,12 @@ std::optional<double> GroundScale::best_of(const Sums& sums) {
   const std::vector<int>& votes = sums.votes;
   std::optional<std::size_t> best;
   const auto mean = [&](std::size_t i) { return total[i] / votes[i]; };
+  const auto is_known = [&](std::size_t i) { return votes[i] > 0 && 2 * votes[i] >= sums.frames; };
   for (std::size_t i = 0; i < total.size(); ++i) {
-    if (votes[i] == 0 || 2 * votes[i] < sums.frames) continue;
-    if (!best || mean(i) < mean(*best)) best = i;
+    if (is_known(i) && (!best || mean(i) < mean(*best))) best = i;
   }
-  if (!best || *best == 0 || *best + 1 == total.size() || votes[*best - 1] == 0 || votes[*best + 1] == 0)
+  // At the end of what is known, the best height may lie beyond.
+  if (!best || *best == 0 || *best + 1 == total.size() || !is_known(*best - 1) || !is_known(*best + 1))
     return std::nullopt;
   const double before = mean(*best - 1), here = mean(*best), after = mean(*best + 1);
   const double bend = before - 2.0 * here + after;

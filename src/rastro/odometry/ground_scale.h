@@ -62,7 +62,8 @@ class GroundScale {
   std::vector<Sample> samples_;   ///< All over the road.
   std::vector<Sample> textured_;  ///< Those with texture, in the previous image.
   int width_ = 0, height_ = 0;
-  std::optional<SE3> last_pose_;
+  std::optional<SE3> last_pose_;                         ///< Of the image compared with.
+  double usual_step_ = 0.0;                              ///< Running mean of the steps compared; 0: none yet.
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  ///< Of the last motions.
   double pitch_rad_ = 0.0;
   Sums even_, odd_;  ///< Every second pair, so that two halves can be compared.

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "rastro/odometry/scale.h"
 
@@ -49,6 +50,25 @@ GrayImage render(const Camera& camera, double ahead_m, double pitch) {
   return image;
 }
 
+/// Images and exact poses at these positions along the road, plus `noise_m` up and down.
+std::optional<GroundScale::Found> drive_along(const std::vector<double>& ahead_m, double noise_m = 0.0) {
+  const Camera camera = car_camera();
+  GroundScale scale(camera, camera_height_m);
+  for (std::size_t i = 0; i < ahead_m.size(); ++i) {
+    const double up_m = i % 2 == 0 ? 0.0 : noise_m;
+    scale.add(render(camera, ahead_m[i], 0.0).view(), SE3(SO3(), {0.0, -up_m, ahead_m[i]}));
+  }
+  return scale.find();
+}
+
+/// Positions at `speeds_m` per frame, `frames` frames each.
+std::vector<double> positions(const std::vector<double>& speeds_m, int frames) {
+  std::vector<double> ahead_m{0.0};
+  for (const double speed_m : speeds_m)
+    for (int i = 0; i < frames; ++i) ahead_m.push_back(ahead_m.back() + speed_m);
+  return ahead_m;
+}
+
 /// Poses in units of `meters_per_unit`.
 std::optional<GroundScale::Found> drive(double meters_per_unit, double pitch, int frames, double step_m) {
   const Camera camera = car_camera();
@@ -79,6 +99,24 @@ TEST(GroundScale, ACarMayDriveBackward) {
     EXPECT_NEAR(found->meters_per_unit, 1.0, 0.01) << pitch;
     EXPECT_NEAR(found->pitch_rad, pitch, 1e-6);
   }
+}
+
+TEST(GroundScale, ShortStepsGiveTheScaleToo) {
+  // 12 km/h at 30 frames a second; 15 km/h, then 50; stop and go at 10 frames a second.
+  const std::vector<std::vector<double>> drives = {
+      {0.11}, {0.14, 0.14, 0.14, 0.46, 0.46}, {0.14, 0.7, 0.14, 0.05, 0.14, 0.14}};
+  for (const std::vector<double>& speeds_m : drives) {
+    const auto found = drive_along(positions(speeds_m, speeds_m.size() == 1 ? 14 : 5));
+    ASSERT_TRUE(found) << speeds_m.size();
+    EXPECT_NEAR(found->meters_per_unit, 1.0, 0.01) << speeds_m.size();
+  }
+}
+
+TEST(GroundScale, NoiseOfACameraThatWaitsIsNoDirection) {
+  const auto found = drive_along(positions({0.7, 0.0, 0.7, 0.0}, 10), 0.004);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->meters_per_unit, 1.0, 0.02);
+  EXPECT_NEAR(found->pitch_rad, 0.0, 0.01);
 }
 
 TEST(GroundScale, GivesNothingWithoutMotionOrWithFewFrames) {

@@ -153,6 +153,17 @@ TEST(RgbdSession, AfterEnoughLostFramesANewSubmapBeginsWhereItWasLost) {
   EXPECT_EQ(session.trajectory().size(), 5U);
 }
 
+/// The follower has just seen that frame, and may not take it for a repeated one.
+TEST(RgbdSession, ANewSubmapMayBeginWithTheFrameThatWasLost) {
+  LostSession session(0);
+  const SlamUpdate begun = session.show(place_at(0.0, M_PI));
+  EXPECT_EQ(begun.state, SlamState::relocalized) << begun.detail;
+  EXPECT_EQ(begun.reason, SlamReason::apart);
+  ASSERT_EQ(begun.events.size(), 2U);
+  EXPECT_EQ(begun.events[1].detail, "1 started, no relocalization in 1 frames");
+  EXPECT_EQ(session.show(place_at(0.002, M_PI)).state, SlamState::weak) << "followed in its submap";
+}
+
 /// Mapping goes on only when it is told to.
 class WaitingSearch : public LoopSearch {
  public:

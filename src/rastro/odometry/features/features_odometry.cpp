@@ -94,6 +94,7 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
     if (image_check.reason != OdometryReason::none && update.reason == OdometryReason::none) {
       update.reason = image_check.reason;
       update.detail = image_check.detail;
+      if (update.state == OdometryState::tracking) update.state = OdometryState::weak;
     }
     if (update.state == OdometryState::tracking && update.reason == OdometryReason::none && calibration_.doubtful()) {
       update.reason = OdometryReason::calibration_doubtful;
@@ -104,7 +105,8 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
     update.state = started_ ? OdometryState::weak : OdometryState::initializing;
     update.reason = image_check.reason;
     update.detail = image_check.detail;
-    chain_.add_unknown(frame.stamp);
+    update.reason == OdometryReason::repeated_frame ? chain_.add_repeated(frame.stamp)
+                                                    : chain_.add_unknown(frame.stamp);
   }
   update.world_from_camera = chain_.last_camera_from_world(map_).inverse();
   update.milliseconds = stopwatch.lap_ms();

@@ -146,6 +146,41 @@ TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoError) {
   expect_sound(odometry.trajectory(), frames.size());
 }
 
+TEST(FeaturesOdometry, TheLivePoseStaysUnderRepeatedImagesAndAtRestAfterADarkOne) {
+  FeaturesOdometry odometry({}, flight().camera);
+  OdometryUpdate moved;
+  for (int k = 0; k < 20; ++k) moved = odometry.process(flight().frames[static_cast<std::size_t>(k)]);
+  ASSERT_EQ(moved.state, OdometryState::tracking);
+  Frame frame = flight().frames[19];
+  const auto next = [&] {
+    frame.stamp += 50'000'000;
+    return odometry.process(frame);
+  };
+  for (int k = 0; k < 20; ++k) {
+    const OdometryUpdate update = next();
+    EXPECT_EQ(update.reason, OdometryReason::repeated_frame);
+    EXPECT_EQ(update.world_from_camera.matrix(), moved.world_from_camera.matrix()) << k;
+  }
+  const GrayImage seen = frame.image;
+  frame.image = GrayImage(seen.width(), seen.height());
+  next();
+  frame.image = seen;
+  const OdometryUpdate rest = next();
+  EXPECT_EQ(rest.reason, OdometryReason::no_motion);
+  EXPECT_EQ(rest.world_from_camera.matrix(), moved.world_from_camera.matrix());
+}
+
+TEST(FeaturesOdometry, AGapOfOneSecondWithTheSameViewIsWeak) {
+  FeaturesOdometry odometry({}, flight().camera);
+  for (int k = 0; k < 24; ++k) {
+    Frame frame = flight().frames[static_cast<std::size_t>(k)];
+    if (k >= 20) frame.stamp += ns_per_second;
+    const OdometryUpdate update = odometry.process(frame);
+    EXPECT_EQ(update.state == OdometryState::weak, k == 20) << k;
+    EXPECT_EQ(update.reason == OdometryReason::gap, k == 20) << k;
+  }
+}
+
 TEST(FeaturesOdometry, AGapIsReportedAndTheRunContinues) {
   FeaturesOdometry odometry({}, flight().camera);
   std::size_t count = 0;
@@ -154,6 +189,7 @@ TEST(FeaturesOdometry, AGapIsReportedAndTheRunContinues) {
     if (frame.index >= 25 && frame.index < 55) continue;
     const OdometryUpdate update = odometry.process(frame);
     if (frame.index >= 55 && frame.index < 60) said = said || update.reason != OdometryReason::none;
+    if (update.reason == OdometryReason::gap) EXPECT_NE(update.state, OdometryState::tracking) << frame.index;
     ++count;
   }
   EXPECT_TRUE(said);

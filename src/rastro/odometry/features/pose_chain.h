@@ -17,9 +17,12 @@ class PoseChain {
   /// Each returns the index of the frame's record.
   std::size_t add(TimeNs stamp, std::size_t keyframe, const SE3& camera_from_keyframe);
   std::size_t add_unknown(TimeNs stamp);
+  /// A frame with the image of the one before: its pose is that frame's until the next pose is known. A camera recorded
+  /// at twice its rate has moved meanwhile, one at rest has not.
+  std::size_t add_repeated(TimeNs stamp);
   /// Predicts the pose from the previous motion.
   std::size_t add_predicted(TimeNs stamp, const LocalMap& map);
-  /// The pose of the previous frame.
+  /// The newest pose that is not unknown.
   std::size_t repeat(TimeNs stamp);
 
   void set(std::size_t record, std::size_t keyframe, const SE3& camera_from_keyframe);
@@ -31,7 +34,7 @@ class PoseChain {
   SE3 last_camera_from_world(const LocalMap& map) const;
   SE3 camera_from_world_at(TimeNs stamp, const LocalMap& map) const;
   /// Prediction at the speed of the last two frames with an estimated pose. The rotation continues for two frames at
-  /// most.
+  /// most, and time under repeated images does not count.
   SE3 predicted(TimeNs stamp, const LocalMap& map) const;
   /// Camera motion between two stamps at the last speed that was not zero; nullopt while there is none: a scale goes on
   /// after a standstill.
@@ -48,11 +51,17 @@ class PoseChain {
     std::size_t keyframe = 0;
     SE3 camera_from_anchor;  ///< Anchor: the keyframe, or the world for a predicted pose.
   };
+  std::size_t add(const Record& record);
+  void note_anchored(std::size_t record);
   std::optional<SE3> pose_of(const Record& record, const LocalMap& map) const;
   /// The last two frames with an estimated pose, the older first.
   std::optional<std::pair<const Record*, const Record*>> last_two() const;
 
   std::vector<Record> records_;
+  std::vector<std::size_t> anchored_;      ///< Records with an estimated pose, in their order.
+  std::optional<std::size_t> last_known_;  ///< The newest record that is not unknown.
+  std::size_t last_image_ = 0;             ///< The newest record whose image is not a repeated one.
+  TimeNs at_rest_ = 0;                     ///< Time under repeated images since the newest estimated pose.
 };
 
 }  // namespace rastro

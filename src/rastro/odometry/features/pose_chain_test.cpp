@@ -111,6 +111,34 @@ TEST_F(PoseChainTest, PredictionsDoNotBuildOnPredictions) {
   EXPECT_THAT(trajectory[3].world_from_body, pose_near(world_from_camera(3), 1e-9, 1e-9));
 }
 
+TEST_F(PoseChainTest, UnderRepeatedImagesThePoseStaysAndTimeDoesNotCount) {
+  follow(0, 2);
+  for (int k = 3; k < 40; ++k) {
+    chain_.add_repeated(k * step);
+    EXPECT_THAT(chain_.last_camera_from_world(map_), pose_near(camera_from_world(2), 1e-9, 1e-9)) << k;
+  }
+  EXPECT_THAT(chain_.predicted(40 * step, map_), pose_near(camera_from_world(3), 1e-9, 1e-9));
+  chain_.add_unknown(40 * step);
+  EXPECT_THAT(chain_.last_camera_from_world(map_), pose_near(camera_from_world(3), 1e-9, 1e-9));
+  chain_.add_repeated(41 * step);
+  EXPECT_THAT(chain_.last_camera_from_world(map_), pose_near(camera_from_world(3), 1e-9, 1e-9)) << "also of a guess";
+  chain_.repeat(42 * step);
+  EXPECT_THAT(chain_.last_camera_from_world(map_), pose_near(camera_from_world(2), 1e-9, 1e-9)) << "the last known";
+  EXPECT_EQ(chain_.trajectory(map_).size(), 43U);
+}
+
+TEST_F(PoseChainTest, PosesMayBecomeKnownInAnyOrder) {
+  const std::size_t keyframe = map_.add_keyframe(0, camera_from_world(0), {});
+  for (int k = 0; k < 6; ++k) chain_.add_unknown(k * step);
+  const auto set = [&](int k) {
+    chain_.set(static_cast<std::size_t>(k), keyframe, camera_from_world(k) * world_from_camera(0));
+  };
+  for (const int k : {0, 5, 2, 4}) set(k);
+  EXPECT_THAT(chain_.predicted(6 * step, map_), pose_near(camera_from_world(6), 1e-9, 1e-9));
+  const double length = (world_from_camera(1).translation() - world_from_camera(0).translation()).norm();
+  EXPECT_NEAR(*chain_.length_between(0, step, map_), length, 1e-9);
+}
+
 /// Points in front of a camera that moves sideways.
 class LocalMapTest : public ::testing::Test {
  protected:

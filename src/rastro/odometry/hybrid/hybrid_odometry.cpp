@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/math/median.h"
@@ -27,7 +28,7 @@ TrackOptions track_options(const HybridOptions& options) {
 }  // namespace
 
 HybridOdometry::HybridOdometry(const HybridOptions& options, const Camera& camera, TaskPool* pool)
-    : options_(options),
+    : options_(checked(options, "odometry options")),
       camera_(camera),
       check_(options.check),
       rotations_(options.rotation, camera),
@@ -61,6 +62,7 @@ void HybridOdometry::follow(const Frame& frame, OdometryUpdate& update) {
   const auto rotation = rotations_.step(frame.image, bridged_ + 1);
   if (!rotation) {
     first_ = std::move(current);
+    used_ = {world_from_last_, first_->position};
     update.reason = OdometryReason::first_frame;
     return;
   }
@@ -74,6 +76,7 @@ void HybridOdometry::follow(const Frame& frame, OdometryUpdate& update) {
     start(std::move(current), update);
   }
   bridged_ = 0;
+  used_ = {world_from_last_, trajectory_.size() - 1};
 }
 
 std::vector<OdometryFeature> HybridOdometry::features() const {
@@ -221,8 +224,8 @@ void HybridOdometry::locate(View current, OdometryUpdate& update) {
     return;
   }
   current.world_from_camera = first_->world_from_camera * SE3(current_from_first, fit->translation).inverse();
-  const double step = (current.world_from_camera.translation() - world_from_last_.translation()).norm();
-  if (step > options_.max_speed_ratio * speed_ * (bridged_ + 1)) {
+  const double step = (current.world_from_camera.translation() - used_.world_from_camera.translation()).norm();
+  if (step > options_.max_speed_ratio * speed_ * frames_since_used(current)) {
     lose(std::move(current), OdometryReason::few_inliers,
          fmt::format("motion of {:.1f} after a motion of {:.1f}", step, speed_), update);
     return;
@@ -233,8 +236,8 @@ void HybridOdometry::locate(View current, OdometryUpdate& update) {
 }
 
 void HybridOdometry::accept(View current, const Shared& since_second) {
-  const Eigen::Vector3d moved = world_from_last_.inverse() * current.world_from_camera.translation();
-  velocity_ = moved / (bridged_ + 1);
+  const Eigen::Vector3d moved = used_.world_from_camera.inverse() * current.world_from_camera.translation();
+  velocity_ = moved / frames_since_used(current);
   // A motion of nearly zero is no reference for the speed.
   speed_ = std::max(velocity_.norm(), 0.5 * speed_);
   world_from_last_ = current.world_from_camera;
@@ -260,8 +263,8 @@ void HybridOdometry::lose(View current, OdometryReason reason, std::string detai
 void HybridOdometry::bridge(OdometryUpdate& update) {
   update.used = false;
   update.confidence = 0.0;
-  update.state = trajectory_.size() == 1 || !first_ ? OdometryState::initializing : OdometryState::weak;
-  if (update.reason == OdometryReason::repeated_frame) return;
+  update.state = first_ ? OdometryState::weak : OdometryState::initializing;
+  if (!first_ || update.reason == OdometryReason::repeated_frame) return;
   if (++bridged_ > options_.max_bridged_frames) {
     update.state = OdometryState::lost;
     return;

@@ -58,6 +58,7 @@ class HybridOdometry : public Odometry {
   std::vector<KnownPoint> triangulate_between(const View& a, const View& b) const;
   CalibratedRansacOptions ransac_options(std::uint64_t item) const;
   SE3 predicted(const SO3& world_from_current) const;
+  double frames_since_used(const View& current) const { return static_cast<double>(current.position - used_.position); }
 
   HybridOptions options_;
   Camera camera_;
@@ -68,8 +69,14 @@ class HybridOdometry : public Odometry {
   std::vector<TrackedFeature> seen_;  ///< In the last frame.
   std::optional<View> first_, second_;
   std::vector<KnownPoint> points_;
+  /// Of the last frame that was not bridged.
+  struct Used {
+    SE3 world_from_camera;
+    std::size_t position = 0;  ///< In trajectory_.
+  };
+  Used used_;
   Trajectory trajectory_;
-  SE3 world_from_last_;
+  SE3 world_from_last_;                                 ///< Also of a bridged frame.
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< A frame's motion in its own camera frame.
   double speed_ = 0.0;                                  ///< Length of the last motion that was not zero; 0: none yet.
   int bridged_ = 0;                                     ///< Rejected frames since the last usable one.

@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/stopwatch.h"
 
 namespace rastro {
 
 ProfilesOdometry::ProfilesOdometry(const ProfilesOptions& options, const Camera& camera)
-    : options_(options), check_(options.check), rotations_(options.rotation, camera) {}
+    : options_(checked(options, "odometry options")), check_(options.check), rotations_(options.rotation, camera) {}
 
 OdometryUpdate ProfilesOdometry::process(const Frame& frame) {
   Stopwatch watch;
@@ -23,6 +24,7 @@ OdometryUpdate ProfilesOdometry::process(const Frame& frame) {
   } else if (const auto step = rotations_.step(frame.image, bridged_ + 1)) {
     follow(*step, update);
   } else {
+    has_reference_ = true;
     update.reason = OdometryReason::first_frame;
     update.state = OdometryState::tracking;
   }
@@ -35,8 +37,8 @@ OdometryUpdate ProfilesOdometry::process(const Frame& frame) {
 void ProfilesOdometry::bridge(OdometryUpdate& update) {
   update.used = false;
   update.confidence = 0.0;
-  update.state = OdometryState::weak;
-  if (update.reason == OdometryReason::repeated_frame) return;
+  update.state = has_reference_ ? OdometryState::weak : OdometryState::initializing;
+  if (!has_reference_ || update.reason == OdometryReason::repeated_frame) return;
   if (++bridged_ > options_.max_bridged_frames) {
     update.state = OdometryState::lost;
     return;

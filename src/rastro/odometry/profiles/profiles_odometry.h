@@ -33,6 +33,7 @@ class ProfilesOdometry : public Odometry {
   FrameCheck check_;
   RotationChain rotations_;
   Trajectory trajectory_;
+  bool has_reference_ = false;
   SE3 world_from_reference_;  ///< Of the last frame that was used.
   SE3 world_from_current_;
   int bridged_ = 0;  ///< Rejected frames since the last usable one.

@@ -25,6 +25,7 @@ class RgbdOdometry::State {
     SE3 reference_from_camera;
   };
   std::vector<Record> records;
+  int reference = -1;  ///< Index of the newest.
   int lost = 0;
 };
 
@@ -51,9 +52,9 @@ OdometryUpdate RgbdOdometry::process(const Frame& frame) {
   update.matches = follow.points;
   update.inliers = follow.inliers;
   update.confidence = follow.points > 0 ? follow.inlier_share : 0.0;
-  const int reference = static_cast<int>(state_->follower.reference_poses().size()) - 1;
-  const SE3 world_from_reference = reference < 0 ? SE3() : state_->follower.reference_poses().back();
-  state_->records.push_back({frame.stamp, reference, world_from_reference.inverse() * follow.world_from_camera});
+  if (follow.new_reference) ++state_->reference;
+  state_->records.push_back(
+      {frame.stamp, state_->reference, follow.world_from_reference.inverse() * follow.world_from_camera});
   update.milliseconds = stopwatch.lap_ms();
   return update;
 }

@@ -19,7 +19,7 @@ void add_depth_options(OptionTable& table, RgbdOptions& o) {
        &o.depth_sigma_per_m2,
        "1/m",
        "the depth noise is depth_sigma_m + this * depth^2: its disparity is quantized (Khoshelham and Elberink 2012)",
-       0,
+       1e-6,
        1,
        {}});
   table.add({"depth_edge_sigmas",

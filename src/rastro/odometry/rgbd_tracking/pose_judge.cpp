@@ -80,7 +80,7 @@ bool PoseJudge::judge(const PoseSolution& solution, const SurfaceMatch& match, c
   const Matrix6d information = solution.shared_points.information + solution.others.information;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
   const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
-  if (sigma > lost_sigma) return false;
+  if (!(sigma <= lost_sigma)) return false;
   const double factor = certain_share(result) >= most_fit ? excess.of_features : excess.of_all;
   result.covariance = covariance_factor * factor * contradiction(result, options_.min_points) *
                       solution.information_of_motion(unshared_error(solution, newest)).inverse();

@@ -44,6 +44,12 @@ constexpr double lost_variance = 1.0;
 // Share of the last motion, per frame.
 constexpr double lost_damping = 0.5;
 constexpr int corners_to_find = 600;
+
+bool has_surface(const Reference& reference) {
+  return std::any_of(reference.planes.begin(), reference.planes.end(),
+                     [](const BlockPlane& plane) { return plane.distance > 0.0F; });
+}
+
 }  // namespace
 
 class RgbdFollower::State {
@@ -114,13 +120,16 @@ RgbdFollow RgbdFollower::State::follow(const Frame& frame) {
     const bool image_useful = image_check.useful() || image_check.reason == OdometryReason::blurred;
     if (image_useful) tracker_.take(frame);
     surfaces_.take(frame, camera_);
-    map_is_empty() ? start(frame, result) : follow_map(frame, image_useful, result);
+    if (!map_is_empty())
+      follow_map(frame, image_useful, result);
+    else if (image_useful)
+      start(frame, result);  // else the features would be those of an earlier image
   }
   if (image_check.reason != OdometryReason::none && (result.reason == OdometryReason::none || !image_check.useful())) {
     result.reason = image_check.reason;
     result.detail = image_check.detail;
   }
-  if (!map_is_empty()) result.world_from_reference = map_.references.back().world_from_camera;
+  if (!map_.references.empty()) result.world_from_reference = map_.references.back().world_from_camera;
   return result;
 }
 
@@ -128,14 +137,20 @@ bool RgbdFollower::State::map_is_empty() const { return static_cast<int>(map_.re
 
 void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
   result.reason = OdometryReason::first_frame;
-  if (frame.depth.empty() || tracker_.pyramid().levels() == 0) {
+  if (frame.depth.empty()) {
     result.detail = "has no depth";
     return;
   }
   motion_.restart(motion_.pose());
   motion_.note(frame.stamp, motion_.pose());
+  camera_from_depth_ = SE3();  // at rest, as far as is known
   points_.clear();
   add_reference(frame, motion_.pose());
+  if (reference_inliers_ == 0 && !has_surface(map_.references.back())) {
+    map_.references.pop_back();  // nothing to follow
+    result.detail = "has no depth where it is needed";
+    return;
+  }
   result.state = OdometryState::tracking;
   result.points = result.inliers = reference_inliers_;
   result.inlier_share = 1.0;
@@ -336,6 +351,7 @@ void RgbdFollower::State::restart(const SE3& world_from_camera) {
   motion_.restart(world_from_camera);
   points_.clear();
   moving_ = {};
+  check_.forget_last();
 }
 
 void RgbdFollower::State::move(const SE3& new_world_from_world) {

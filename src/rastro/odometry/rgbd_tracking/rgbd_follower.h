@@ -55,7 +55,8 @@ class RgbdFollower {
   ~RgbdFollower();
   /// Accepts any frame: an empty, black or repeated one gives a state that says so.
   RgbdFollow follow(const Frame& frame);
-  /// Discards the local map after tracking was lost: the next frame is the first reference, at this pose.
+  /// Discards the local map after tracking was lost: the next frame with depth and a useful image, which may be the
+  /// last one again, is the first reference, at this pose.
   void restart(const SE3& world_from_camera);
   /// Moves the world and everything in it, after the pose graph has corrected the newest keyframe.
   void move(const SE3& new_world_from_world);

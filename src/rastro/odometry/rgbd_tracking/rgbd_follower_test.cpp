@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "rastro/base/error.h"
 #include "rastro/odometry/rgbd_tracking/room_testing.h"
 
 namespace rastro {
@@ -16,6 +17,9 @@ double path_error(const SE3& world_from_camera, std::int64_t frame) {
   const SE3 ground_truth = PaperedRoom::pose(0).inverse() * PaperedRoom::pose(frame);
   return (ground_truth.translation() - world_from_camera.translation()).norm();
 }
+
+/// In the frame of the first camera.
+SE3 first_from(const SE3& world_from_camera) { return PaperedRoom::pose(0).inverse() * world_from_camera; }
 
 TEST(RgbdFollower, EstimatesAKnownTrajectoryAndTheSameForAnyPool) {
   const PaperedRoom room;
@@ -222,6 +226,77 @@ TEST(RgbdFollower, DoesNotFollowWhatComesTowardsIt) {
     EXPECT_LT(path_error(follow.world_from_camera, i), 0.02) << i;
     EXPECT_EQ(follow.state, OdometryState::tracking) << i << " " << follow.detail;
   }
+}
+
+/// Depth is taken 50 ms after the image, by when the camera is elsewhere, until it rests and starts again.
+TEST(RgbdFollower, TheFirstReferenceAfterARestartHasNothingOfTheMotionBefore) {
+  const PaperedRoom room;
+  PaperedRoom bare;  // tracked by surfaces alone
+  bare.papered = false;
+  RgbdOptions options;
+  options.frame_check.min_deviation = options.frame_check.max_repeat_difference = 0.0;
+  options.frame_check.min_sharpness = 0.0;
+  options.learn_delay = false;
+  RgbdFollower follower(options, room.camera, nullptr);
+  const auto at = [&](double index) {
+    return PaperedRoom::pose(0) * SE3(SO3(), {0.0005 * index * index, 0.0, 0.0});  // faster and faster
+  };
+  constexpr int moving = 10;
+  for (int i = 0; i < moving + 4; ++i) {
+    const SE3 pose = at(std::min(i, moving));
+    Frame frame = (i < moving ? room : bare).frame(i, pose);
+    frame.image.at(0, 0) = static_cast<std::uint8_t>(10 * i);  // or it would be a repeated image
+    if (i < moving) {
+      frame.depth_stamp += ns_per_second / 20;
+      frame.depth = room.frame(i, at(i + 1.5)).depth;
+    }
+    if (i == moving) follower.restart(first_from(pose));
+    const RgbdFollow follow = follower.follow(frame);
+    ASSERT_EQ(follow.state, OdometryState::tracking) << i << " " << follow.detail;
+    if (i < moving) continue;
+    EXPECT_EQ(follow.new_reference, i == moving) << i;
+    EXPECT_LT((first_from(pose).translation() - follow.world_from_camera.translation()).norm(), 0.002) << i;
+  }
+}
+
+TEST(RgbdFollower, StartsAgainFromTheFrameThatItHasJustSeen) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  for (int i = 0; i < 3; ++i) follower.follow(room.frame(i, PaperedRoom::pose(i)));
+  const SE3 elsewhere(SO3(), {1.0, 2.0, 3.0});
+  follower.restart(elsewhere);
+  const RgbdFollow again = follower.follow(room.frame(2, PaperedRoom::pose(2)));
+  EXPECT_TRUE(again.new_reference);
+  EXPECT_EQ(again.reason, OdometryReason::first_frame);
+  EXPECT_EQ(again.world_from_camera.matrix(), elsewhere.matrix());
+  const RgbdFollow next = follower.follow(room.frame(3, PaperedRoom::pose(3)));
+  EXPECT_EQ(next.state, OdometryState::tracking);
+  EXPECT_EQ(follower.follow(room.frame(3, PaperedRoom::pose(3))).reason, OdometryReason::repeated_frame);
+}
+
+/// Its features would be those of the image before the dark, with the depths of the one in it.
+TEST(RgbdFollower, StartsNotInTheDarkNorWithoutAnyDepth) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  follower.follow(room.frame(0, PaperedRoom::pose(0)));
+  follower.restart(SE3());
+  Frame dark = room.frame(1, PaperedRoom::pose(1)), blind = room.frame(2, PaperedRoom::pose(2));
+  dark.image = GrayImage(room.camera.width, room.camera.height);
+  blind.depth = DepthImage(room.camera.width, room.camera.height);
+  for (const Frame& frame : {dark, blind}) {
+    const RgbdFollow follow = follower.follow(frame);
+    EXPECT_EQ(follow.state, OdometryState::initializing) << frame.index;
+    EXPECT_FALSE(follow.new_reference);
+    EXPECT_EQ(follow.reason, frame.index == 1 ? OdometryReason::dark_or_blank : OdometryReason::first_frame);
+  }
+  EXPECT_EQ(follower.reference_poses().size(), 1U) << "of the first frame";
+  EXPECT_EQ(follower.follow(room.frame(3, PaperedRoom::pose(3))).state, OdometryState::tracking);
+}
+
+TEST(RgbdFollower, DepthWithoutNoiseIsRefused) {
+  RgbdOptions options;
+  options.depth_sigma_m = options.depth_sigma_per_m2 = 0.0;
+  EXPECT_THROW(RgbdFollower(options, PaperedRoom().camera, nullptr), Error);
 }
 
 TEST(RgbdFollower, EmptyAndRepeatedFramesAndAFullMaskAreNoError) {
