@@ -124,6 +124,7 @@ FoundFeature crossing_of(const FoundFeature& one, const FoundFeature& other) {
   FoundFeature corner;
   corner.wrong_position_variance = one.wrong_position_variance + other.wrong_position_variance;
   corner.rivalry = std::max(one.rivalry, other.rivalry);
+  corner.height_m = one.height_m;  // as the levers of its points
   for (const auto& [finding, first] : one.observations) {
     for (const auto& [same, second] : other.observations) {
       if (finding != same) continue;

@@ -48,8 +48,9 @@ LengthObservations along(const FoundFeature& found, const std::vector<LengthFind
                                 std::sqrt(std::max(0.0, direction.dot(one.covariance * direction))), one.shared_m,
                                 direction.dot(one.lever)});
   }
-  // The points are at the height with the most votes; the remaining height is counted from there.
-  observations.height_m = -found.height_m;
+  // The points are where they would be at the height with the most votes. What is solved for is by how much that is too
+  // high: as much as it is above the rough face, as far as the prior knows.
+  observations.height_m = found.height_m;
   observations.height_sigma_m = height_sigma_m;
   return observations;
 }

@@ -28,13 +28,13 @@ struct Pairs {
 };
 
 void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs) {
-  const auto errors = errors_on_common_frames(first.trace, second.trace);
-  if (!errors) return;
-  const double ratio = std::max(errors->first_m, smallest_error_m) / std::max(errors->second_m, smallest_error_m);
-  pairs.log_ratios[{first.input, first.seed}].push_back(std::log(ratio));
   const bool is_import = first.trace.frames.empty() || second.trace.frames.empty();
   pairs.first_completions.push_back(is_import ? first.posed_percent : first.completion_percent);
   pairs.second_completions.push_back(is_import ? second.posed_percent : second.completion_percent);
+  const auto errors = errors_on_common_frames(first.trace, second.trace);
+  if (!errors) return;  // they count in the completion nevertheless
+  const double ratio = std::max(errors->first_m, smallest_error_m) / std::max(errors->second_m, smallest_error_m);
+  pairs.log_ratios[{first.input, first.seed}].push_back(std::log(ratio));
   pairs.differ_in_alignment |= first.trace.alignment != second.trace.alignment;
 }
 

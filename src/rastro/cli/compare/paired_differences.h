@@ -36,7 +36,7 @@ struct PairedDifference {
   double median_ratio = 1.0;  ///< ATE of the first by that of the second.
   double p_value = 1.0;       ///< Wilcoxon's signed-rank test of the logarithms of the ratios.
   double adjusted_p = 1.0;    ///< After Holm, over all differences of the report.
-  double first_completion = 0.0, second_completion = 0.0;  ///< Mean over the pairs, in percent.
+  double first_completion = 0.0, second_completion = 0.0;  ///< Mean in percent, also of pairs without common frames.
   bool differs_in_alignment = false;  ///< An error after fitting the scale is not ranked with one in meters.
 
   bool is_significant() const { return adjusted_p < 0.05; }

@@ -142,7 +142,8 @@ void Initialization::track_kept_frames(const InitialPair& pair) {
     const TrackingResult tracked = tracker_.track(frames[i]);
     if (tracked.ok) add_frame(*frames[i], tracked);
   }
-  if (!tracker_.track(frames[pair.second]).ok) restart_at(second);
+  if (tracker_.track(frames[pair.second]).ok) return;
+  restart_at(session_.graph.has_keyframe(second) ? second : first);  // keyframes before the first may have replaced it
 }
 
 void Initialization::track_backward(std::size_t first) {

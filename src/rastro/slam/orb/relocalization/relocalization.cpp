@@ -33,8 +33,10 @@ std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& fra
   return tracked;
 }
 
-/// Relative to a keyframe, which moves with the corrections of the map.
+/// Relative to a keyframe, which moves with the corrections of the map. What is left of an earlier loss, which a new
+/// submap ended, is not tracked from another place.
 void Relocalization::on_lost() {
+  lost_.clear();
   const std::int64_t keyframe = tracker_.view()->center;
   const SE3 world_from_keyframe = tracker_.view()->keyframe(keyframe).camera_from_world.inverse();
   last_pose_ = {keyframe, tracker_.last_pose() * world_from_keyframe, tracker_.velocity(), session_.frame_number};
@@ -82,6 +84,7 @@ bool Relocalization::is_enough(const TrackingResult& tracked) const {
 }
 
 bool Relocalization::confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
+  pipeline_.wait();  // a bundle adjustment that ended meanwhile is written into the graph
   const Rejection rejection = judge_with(*frame, tracked);
   if (rejection == Rejection::none && is_enough(tracked)) {
     accept(tracked, update);
