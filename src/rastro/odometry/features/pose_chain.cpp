@@ -29,6 +29,10 @@ std::size_t PoseChain::add_unknown(TimeNs stamp) { return add({stamp, Kind::unkn
 std::size_t PoseChain::add_repeated(TimeNs stamp) {
   if (records_.empty()) return add_unknown(stamp);
   at_rest_ += std::max<TimeNs>(0, stamp - records_.back().stamp);
+  if (last_known_ && records_[*last_known_].kind == Kind::anchored) {
+    last_image_ = *last_known_;  // images without a pose in between, as dark ones, were taken there, too
+    at_rest_ = std::max<TimeNs>(0, stamp - records_[last_image_].stamp);
+  }
   records_.push_back({stamp, Kind::unknown, 0, {}});
   return records_.size() - 1;
 }

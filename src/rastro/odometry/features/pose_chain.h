@@ -17,7 +17,7 @@ class PoseChain {
   /// Each returns the index of the frame's record.
   std::size_t add(TimeNs stamp, std::size_t keyframe, const SE3& camera_from_keyframe);
   std::size_t add_unknown(TimeNs stamp);
-  /// A frame with the image of the one before: its pose is that frame's until the next pose is known. A camera recorded
+  /// A frame with the last useful image again: its pose is that one's until the next pose is known. A camera recorded
   /// at twice its rate has moved meanwhile, one at rest has not.
   std::size_t add_repeated(TimeNs stamp);
   /// Predicts the pose from the previous motion.
