@@ -189,7 +189,9 @@ TEST(FeaturesOdometry, AGapIsReportedAndTheRunContinues) {
     if (frame.index >= 25 && frame.index < 55) continue;
     const OdometryUpdate update = odometry.process(frame);
     if (frame.index >= 55 && frame.index < 60) said = said || update.reason != OdometryReason::none;
-    if (update.reason == OdometryReason::gap) EXPECT_NE(update.state, OdometryState::tracking) << frame.index;
+    if (update.reason == OdometryReason::gap) {
+      EXPECT_NE(update.state, OdometryState::tracking) << frame.index;
+    }
     ++count;
   }
   EXPECT_TRUE(said);

@@ -9,8 +9,14 @@
 namespace rastro {
 namespace {
 
+/// Rendered once for all tests.
+const Drive& bend() {
+  static const Drive drive = first_bend(0.4);
+  return drive;
+}
+
 TEST(HybridOdometry, TracksTheFirstBendWithAndWithoutAPool) {
-  const Drive drive = first_bend(0.4);
+  const Drive& drive = bend();
   HybridOdometry odometry({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
   expect_sound(result, drive.frames.size());
@@ -27,10 +33,12 @@ TEST(HybridOdometry, TracksTheFirstBendWithAndWithoutAPool) {
   expect_still_and_dark_frames_are_said(still, dark, drive);
 }
 
+Camera small_camera() { return {.width = 64, .height = 48, .fx = 60.0, .fy = 60.0, .cx = 31.5, .cy = 23.5}; }
+
 /// A dark frame repeats the last motion; after two dark ones and a good one, that is the good one's share of the
 /// motion.
 TEST(HybridOdometry, TheSpeedIsRightAfterBridgedFrames) {
-  Drive drive = first_bend(0.4);
+  Drive drive = bend();
   drive.frames.resize(20);
   for (const std::size_t k : {14U, 15U, 17U})
     drive.frames[k].image = GrayImage(drive.camera.width, drive.camera.height);
@@ -45,7 +53,7 @@ TEST(HybridOdometry, TheSpeedIsRightAfterBridgedFrames) {
 }
 
 TEST(HybridOdometry, BeforeTheFirstImageNothingIsBridged) {
-  HybridOdometry odometry({}, Camera{.width = 64, .height = 48, .fx = 60.0, .fy = 60.0, .cx = 31.5, .cy = 23.5});
+  HybridOdometry odometry({}, small_camera());
   for (int k = 0; k < 20; ++k) {
     Frame dark;
     dark.stamp = k * 100'000'000LL;
@@ -56,7 +64,7 @@ TEST(HybridOdometry, BeforeTheFirstImageNothingIsBridged) {
 TEST(HybridOdometry, SettingsOutOfRangeAreAnError) {
   HybridOptions options;
   options.min_points = 1;
-  EXPECT_THROW(HybridOdometry(options, Camera{}), Error);
+  EXPECT_THROW(HybridOdometry(options, small_camera()), Error);
 }
 
 TEST(HybridOdometry, EverySettingIsInItsTable) {
