@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "rastro/slam/ekf/joint_compatibility.h"
+
 namespace rastro {
 namespace {
 
@@ -60,6 +62,7 @@ class Associator {
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].is_candidate() != candidates || !alike(observation, records_[i])) continue;
+      if (is_unsure(expected_[i], observation.covariance.trace(), options_)) continue;
       const double found = distance(observation, i);
       if (found < best.distance) {
         second = best.distance;
@@ -100,42 +103,6 @@ void settle_claims(std::vector<LandmarkAssociation>& associations, std::size_t l
   }
 }
 
-bool is_known(const LandmarkAssociation& association) {
-  return association.kind == LandmarkAssociation::Kind::landmark;
-}
-
-/// Whether two observations are as far from each other as their landmarks.
-bool agree(const EkfFilter& filter, const BodyObservation& a, const BodyObservation& b, std::size_t landmark_a,
-           std::size_t landmark_b, double gate) {
-  const Eigen::Vector2d between = a.in_body - b.in_body;
-  const double distance = between.norm();
-  if (!(distance > 0.0)) return false;
-  const auto in_map = filter.separation(landmark_a, landmark_b);
-  const double variance = between.dot((a.covariance + b.covariance) * between) / (distance * distance);
-  const double off = distance - in_map.distance;
-  return off * off <= gate * (variance + in_map.variance);
-}
-
-/// With an uncertain body pose, a single landmark inside the gate is weak evidence: another landmark must be observed
-/// at its predicted position, too.
-void drop_lonely(const EkfFilter& filter, std::span<const BodyObservation> observations, const EkfOptions& options,
-                 std::vector<LandmarkAssociation>& associations) {
-  const std::vector<LandmarkAssociation> before = associations;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    if (!is_known(before[i]) || observations[i].sensor_id >= 0) continue;
-    const double doubt = filter.expected(before[i].landmark).covariance.trace();
-    if (doubt <= options.unsure_m * options.unsure_m) continue;
-    int companions = 0;
-    for (std::size_t j = 0; j < before.size(); ++j) {
-      const bool other =
-          j != i && is_known(before[j]) &&
-          agree(filter, observations[i], observations[j], before[i].landmark, before[j].landmark, options.gate);
-      companions += other ? 1 : 0;
-    }
-    if (companions < options.companions) associations[i].kind = LandmarkAssociation::Kind::ambiguous;
-  }
-}
-
 }  // namespace
 
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
@@ -145,7 +112,6 @@ std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<co
   result.reserve(observations.size());
   for (const BodyObservation& observation : observations) result.push_back(associator(observation));
   settle_claims(result, records.size());
-  drop_lonely(filter, observations, options, result);
   return result;
 }
 

@@ -16,7 +16,7 @@ struct LandmarkAssociation {
     landmark,       ///< A landmark of the map: it corrects the filter.
     candidate,      ///< Observed before, but not often enough to be a landmark.
     fresh,          ///< Far from all landmarks: a new candidate.
-    ambiguous,      ///< Not used: several matches are possible, or it has no companions.
+    ambiguous,      ///< Not used: several matches are possible.
     contradicting,  ///< Not used: near a landmark or with its id, but outside the gate.
     unmatched       ///< Not used, and not compared with the map: the body is lost.
   };
@@ -27,9 +27,9 @@ struct LandmarkAssociation {
 
 /// Associates each observation with the nearest landmark inside the gate, by squared Mahalanobis distance
 /// (Durrant-Whyte and Bailey 2006, part II). A candidate is taken only where no landmark is near. Observations with a
-/// sensor id are associated by id. Each landmark is taken at most once. Where the body's position is so uncertain that
-/// the gate of a landmark is wider than `unsure_m`, the association also needs `companions` others at the distances
-/// that the map predicts. `records` are those of the filter's landmarks.
+/// sensor id are associated by id. Each landmark is taken at most once. Landmarks that the drift makes unsure, see
+/// is_unsure(), are not compared with: they are recognized by several together, see recognized_pairs(). `records` are
+/// those of the filter's landmarks.
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
                                            std::span<const BodyObservation> observations, const EkfOptions& options);
 

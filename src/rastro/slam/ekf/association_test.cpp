@@ -108,23 +108,29 @@ TEST(LandmarkAssociation, CandidatesComeAfterLandmarks) {
   EXPECT_EQ(map.kind_of(observation_at(5.0, 1.5)), Kind::fresh);
 }
 
-TEST(LandmarkAssociation, WithAnUncertainPoseALandmarkNeedsACompanionAtTheCorrectDistance) {
+TEST(LandmarkAssociation, LandmarksThatTheDriftMakesUnsureAreNotComparedWith) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 20.0);
+  map.add(5.0, 0.0, LandmarkKind::given, 7);
   map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());
-  const BodyObservation one = observation_at(6.0, 1.0), other = observation_at(6.0, 21.0),
-                        wrong = observation_at(6.0, 19.5);
-  EXPECT_EQ(map.kind_of(one), Kind::ambiguous);
-  const auto together = map.associated({one, other});
-  EXPECT_EQ(together[0].kind, Kind::landmark);
-  EXPECT_EQ(together[1].kind, Kind::landmark);
-  const auto conflicting = map.associated({one, wrong});
-  EXPECT_EQ(conflicting[0].kind, Kind::ambiguous);
-  EXPECT_EQ(conflicting[1].kind, Kind::ambiguous);
-  EkfOptions bold;
-  bold.companions = 0;
-  EXPECT_EQ(map.kind_of(one, bold), Kind::landmark);
+  const auto together = map.associated({observation_at(5.0, 0.0), observation_at(5.0, 20.0)});
+  EXPECT_EQ(together[0].kind, Kind::fresh);
+  EXPECT_EQ(together[1].kind, Kind::fresh);
+  EXPECT_EQ(map.kind_of(observation_at(6.0, 1.0, LandmarkKind::given, 7)), Kind::landmark);
+  // What was added after the drift is sure from there.
+  map.add(5.1, 0.1);
+  EXPECT_EQ(map.associated({observation_at(5.1, 0.0)})[0].landmark, 3U);
+}
+
+TEST(LandmarkAssociation, ASensorThatIsNoBetterThanTheDriftIsAssociatedByDistance) {
+  KnownLandmarks map;
+  map.add(5.0, 0.0);
+  map.filter.predict(SE2(), Eigen::Vector3d(0.2, 0.2, 1e-6).asDiagonal());
+  BodyObservation coarse = observation_at(5.5, 0.0);
+  EXPECT_EQ(map.kind_of(coarse), Kind::fresh);
+  coarse.covariance = 0.2 * Eigen::Matrix2d::Identity();
+  EXPECT_EQ(map.kind_of(coarse), Kind::landmark);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/map/graph/planar.h"
+#include "rastro/slam/ekf/joint_compatibility.h"
 #include "rastro/slam/ekf/scan_features.h"
 
 namespace rastro {
@@ -82,7 +83,8 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   correct(observations, associations, update);
   judge(associations, update);
   observe(observations, associations);
-  if (maps_) learn(observations, associations, update);
+  learn(observations, associations, update);
+  if (place_grew_) recognize_place(update);
   update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, update);
   if (budget_.limited()) stay_within_budget(update);
@@ -199,6 +201,8 @@ void EkfSlam::correct(std::span<const BodyObservation> observations, std::span<c
     LandmarkRecord& record = records_[landmark];
     ++record.observations;
     record.last_frame = static_cast<std::int64_t>(trajectory_.size());
+    record.noise_m2 = observations[i].covariance.trace();
+    place_grew_ |= record.observations == options_.observations;
     if (maps_ && record.is_candidate() && record.observations >= options_.observations) confirm(landmark, update);
     if (record.is_candidate()) continue;
     filter_.update(landmark, observations[i].in_body, observations[i].covariance);
@@ -236,13 +240,43 @@ void EkfSlam::learn(std::span<const BodyObservation> observations, std::span<con
     if (associations[i].kind != LandmarkAssociation::Kind::fresh || !has_room()) continue;
     const BodyObservation& seen = observations[i];
     filter_.add(seen.in_body, seen.covariance);
-    records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame});
-    if (options_.observations > 1) continue;
+    records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame, seen.covariance.trace()});
+    if (options_.observations > 1 || !maps_) continue;
     confirm(records_.size() - 1, update);
     observations_[i].landmark = records_.back().id;
     observations_[i].state = ObservationState::new_landmark;
   }
   forget_candidates();
+}
+
+/// After a long way: landmarks that were mapped anew are those of before.
+void EkfSlam::recognize_place(SlamUpdate& update) {
+  place_grew_ = false;
+  std::vector<LandmarkPair> pairs = recognized_pairs(filter_, records_, options_);
+  if (pairs.empty()) return;
+  const SE2 before = filter_.world_from_body();
+  const double noise = options_.corner_error_m * options_.corner_error_m;
+  for (const LandmarkPair& pair : pairs) {
+    filter_.unite(pair.recent, pair.known, noise * Eigen::Matrix2d::Identity());
+    records_[pair.known].observations += records_[pair.recent].observations;
+    records_[pair.known].last_frame = records_[pair.recent].last_frame;
+    records_[pair.known].noise_m2 = records_[pair.recent].noise_m2;
+  }
+  std::sort(pairs.begin(), pairs.end(),
+            [](const LandmarkPair& a, const LandmarkPair& b) { return a.recent > b.recent; });
+  for (const LandmarkPair& pair : pairs) remove_landmark(pair.recent);
+  const SE2 moved = before.inverse() * filter_.world_from_body();
+  update.events.push_back(
+      {"loop_closed",
+       fmt::format("{} landmarks recognized together; the pose moves by {:.2f} m and {:.1f} deg", pairs.size(),
+                   moved.translation().norm(), std::abs(moved.rotation().angle()) * degrees)});
+}
+
+/// The last one takes its number.
+void EkfSlam::remove_landmark(std::size_t landmark) {
+  filter_.remove(landmark);
+  records_[landmark] = records_.back();
+  records_.pop_back();
 }
 
 bool EkfSlam::has_room() const {
@@ -273,9 +307,7 @@ void EkfSlam::forget_candidates() {
   // From the back: the last landmark, which takes the number of a removed one, was checked before.
   for (std::size_t i = records_.size(); i-- > 0;) {
     if (!records_[i].is_candidate() || frame - records_[i].last_frame <= options_.candidate_frames) continue;
-    filter_.remove(i);
-    records_[i] = records_.back();
-    records_.pop_back();
+    remove_landmark(i);
   }
 }
 

@@ -62,6 +62,8 @@ class EkfSlam : public Slam {
   void learn(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
              SlamUpdate& update);
   void observe(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations);
+  void recognize_place(SlamUpdate& update);
+  void remove_landmark(std::size_t landmark);
   bool has_room() const;
   void confirm(std::size_t landmark, SlamUpdate& update);
   void forget_candidates();
@@ -83,6 +85,7 @@ class EkfSlam : public Slam {
   EkfFilter filter_;
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
   std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.
+  bool place_grew_ = false;              ///< A landmark was observed often enough in this frame.
   OdometryCheck odometry_check_;
   FrozenOdometry frozen_odometry_;
 

@@ -42,6 +42,12 @@ Eigen::Matrix2d EkfFilter::landmark_covariance(std::size_t number) const {
   return covariance_.block<2, 2>(row, row).selfadjointView<Eigen::Lower>();
 }
 
+Eigen::Matrix2d EkfFilter::landmark_covariance(std::size_t a, std::size_t b) const {
+  if (a == b) return landmark_covariance(a);
+  if (a < b) return landmark_covariance(b, a).transpose();
+  return covariance_.block<2, 2>(row_of(a), row_of(b));
+}
+
 Eigen::MatrixXd EkfFilter::covariance() const {
   return covariance_.topLeftCorner(size(), size()).selfadjointView<Eigen::Lower>();
 }
@@ -97,16 +103,6 @@ EkfFilter::Expected EkfFilter::expected(std::size_t number) const {
   return {world_from_body().inverse() * landmark(number), H * involved_covariance(number) * H.transpose()};
 }
 
-EkfFilter::Separation EkfFilter::separation(std::size_t a, std::size_t b) const {
-  const Eigen::Vector2d between = landmark(a) - landmark(b);
-  const double distance = between.norm();
-  if (!(distance > 0.0)) return {0.0, 0.0};
-  const Eigen::Matrix2d cross = covariance_.block<2, 2>(row_of(std::max(a, b)), row_of(std::min(a, b)));
-  const Eigen::Matrix2d both =
-      landmark_covariance(a) + landmark_covariance(b) - cross - Eigen::Matrix2d(cross.transpose());
-  return {distance, between.dot(both * between) / (distance * distance)};
-}
-
 void EkfFilter::times_derivative(std::size_t number, const Derivative& H, Columns& product) const {
   product.setZero(size(), 2);
   for (Eigen::Index which = 0; which < 5; ++which) {
@@ -122,7 +118,22 @@ void EkfFilter::update(std::size_t number, const Eigen::Vector2d& in_body, const
   const Derivative H = derivative(number);
   const Eigen::Vector2d innovation = in_body - world_from_body().inverse() * landmark(number);
   times_derivative(number, H, cross_);
-  const Eigen::Matrix2d own = H * involved_covariance(number) * H.transpose();
+  correct(innovation, H * involved_covariance(number) * H.transpose(), noise);
+}
+
+void EkfFilter::unite(std::size_t a, std::size_t b, const Eigen::Matrix2d& noise) {
+  RASTRO_CHECK(a < count_ && b < count_ && a != b, "two landmarks that the filter has");
+  cross_.setZero(size(), 2);
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    for (Eigen::Index row = 0; row < size(); ++row)
+      cross_(row, axis) = entry(row, row_of(a) + axis) - entry(row, row_of(b) + axis);
+  }
+  const Eigen::Matrix2d own = cross_.middleRows<2>(row_of(a)) - cross_.middleRows<2>(row_of(b));
+  correct(landmark(b) - landmark(a), own, noise);
+}
+
+/// `cross_`: P H^T; `own`: H P H^T.
+void EkfFilter::correct(const Eigen::Vector2d& innovation, const Eigen::Matrix2d& own, const Eigen::Matrix2d& noise) {
   const Eigen::Matrix2d innovation_covariance = own + noise;
   gain_ = cross_ * innovation_covariance.inverse();
   mean_.head(size()) += gain_ * innovation;

@@ -27,6 +27,8 @@ class EkfFilter {
   std::size_t landmarks() const { return count_; }
   Eigen::Vector2d landmark(std::size_t number) const { return mean_.segment<2>(row_of(number)); }
   Eigen::Matrix2d landmark_covariance(std::size_t number) const;
+  /// Of landmark a with landmark b.
+  Eigen::Matrix2d landmark_covariance(std::size_t a, std::size_t b) const;
   /// The full covariance: body, odometry's scale, then landmarks in the order of their numbers. For tests; a copy.
   Eigen::MatrixXd covariance() const;
 
@@ -41,17 +43,13 @@ class EkfFilter {
   };
   Expected expected(std::size_t number) const;
 
-  /// Distance between two landmarks and its variance: much better known than the position of either.
-  struct Separation {
-    double distance;
-    double variance;
-  };
-  Separation separation(std::size_t a, std::size_t b) const;
-
   /// Update step with one observed landmark. Joseph's form, (I - KH) P (I - KH)^T + K R K^T, stays positive definite
   /// where rounding breaks the short form. H has five nonzero columns, so the update takes two passes of rank two over
   /// one triangle: quadratic in the number of landmarks. `noise` is positive definite.
   void update(std::size_t number, const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
+
+  /// Update step with the knowledge that two landmarks are the same one, up to `noise`.
+  void unite(std::size_t a, std::size_t b, const Eigen::Matrix2d& noise);
 
   /// Adds a landmark at its first observation; its number is the previous count. Its covariances with the body and with
   /// all other landmarks follow from the body's.
@@ -74,6 +72,7 @@ class EkfFilter {
   Eigen::Matrix<double, 5, 5> involved_covariance(std::size_t number) const;
   /// Of the measurement with respect to the body's x, y, angle and the landmark's x, y.
   Derivative derivative(std::size_t number) const;
+  void correct(const Eigen::Vector2d& innovation, const Eigen::Matrix2d& own, const Eigen::Matrix2d& noise);
   void times_derivative(std::size_t number, const Derivative& H, Columns& product) const;
   void shrink(const Columns& PHt, const Columns& gain, const Columns& rest);
   void reserve(Eigen::Index size);

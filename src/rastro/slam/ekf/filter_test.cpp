@@ -154,14 +154,37 @@ TEST(EkfFilter, KnowsDistancesBetterThanPositions) {
   filter.predict(motion(1.0, 0.0, 0.5), 100.0 * motion_noise);
   filter.add({2.0, 1.0}, sensor_noise);
   filter.add({5.0, 5.0}, sensor_noise);
-  const auto separation = filter.separation(0, 1);
-  EXPECT_NEAR(separation.distance, 5.0, 1e-12);
-  // Neither the body's position nor its angle contributes: only both observations, along the line between.
-  const Eigen::Vector2d along(0.6, 0.8);
-  EXPECT_NEAR(separation.variance, 2.0 * along.dot(sensor_noise * along), 1e-12);
-  EXPECT_EQ(filter.separation(1, 0).distance, separation.distance);
-  EXPECT_NEAR(filter.separation(1, 0).variance, separation.variance, 1e-12);
-  EXPECT_GT(filter.landmark_covariance(0).trace(), 10.0 * separation.variance);
+  const Eigen::Matrix2d cross = filter.landmark_covariance(0, 1);
+  EXPECT_EQ(filter.landmark_covariance(1, 0), cross.transpose());
+  EXPECT_EQ(filter.landmark_covariance(1, 1), filter.landmark_covariance(1));
+  const Eigen::Matrix2d of_difference =
+      filter.landmark_covariance(0) + filter.landmark_covariance(1) - cross - Eigen::Matrix2d(cross.transpose());
+  // Along the line between them, neither the body's position nor its angle contributes: only both observations.
+  const Eigen::Vector2d along = (filter.landmark(1) - filter.landmark(0)).normalized();
+  const Eigen::Vector2d along_in_body(0.6, 0.8);
+  EXPECT_NEAR(along.dot(of_difference * along), 2.0 * along_in_body.dot(sensor_noise * along_in_body), 1e-12);
+  EXPECT_GT(filter.landmark_covariance(0).trace(), 10.0 * along.dot(of_difference * along));
+}
+
+TEST(EkfFilter, UnitesTwoLandmarksAsTheFullMatrixFormDoes) {
+  EkfFilter filter({}, scale_sigma);
+  filter.add({2.0, 1.0}, sensor_noise);
+  filter.add({4.0, -1.0}, sensor_noise);
+  for (int step = 0; step < 5; ++step) filter.predict(motion(1.0, 0.1, 0.3), 100.0 * motion_noise);
+  filter.add(filter.expected(0).in_body + Eigen::Vector2d(0.2, -0.1), sensor_noise);
+
+  const Eigen::MatrixXd P = filter.covariance();
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, P.cols());
+  H.middleCols<2>(5).setIdentity();
+  H.middleCols<2>(9) = -Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d noise = 1e-4 * Eigen::Matrix2d::Identity();
+  const Eigen::MatrixXd gain = P * H.transpose() * (H * P * H.transpose() + noise).inverse();
+  const Eigen::VectorXd mean = mean_of(filter) - gain * (H * mean_of(filter));
+  filter.unite(0, 2, noise);
+  EXPECT_THAT(mean_of(filter), matrix_near(mean, 1e-9));
+  EXPECT_THAT(filter.covariance(), matrix_near(P - gain * H * P, 1e-9));
+  EXPECT_LT((filter.landmark(0) - filter.landmark(2)).norm(), 0.01);
+  EXPECT_GT(least_eigenvalue(filter.covariance()), 0.0);
 }
 
 TEST(EkfFilter, AUselessSensorChangesNothingAndAPerfectOneFixesTheLandmark) {

@@ -38,6 +38,7 @@ struct LandmarkRecord {
   double direction = 0.0;  ///< As in BodyObservation, in the world.
   int observations = 0;
   std::int64_t last_frame = 0;  ///< Frame of the last observation.
+  double noise_m2 = 0.0;        ///< Trace of the covariance of the last observation.
 
   bool is_candidate() const { return id < 0; }
 };

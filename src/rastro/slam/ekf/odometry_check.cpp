@@ -58,9 +58,13 @@ std::string describe(const OdometryCheck::Result& result) {
   return fmt::format(
       "odometry differs from the filter by {:.1f} cm per meter (median of {}) and {:.1f} deg per rotation of 45 deg "
       "(median of {}); "
-      "{} the bound of {:.0f} cm and {:.0f} deg",
+      "{} the bound of {:.0f} cm and {:.0f} deg{}",
       100.0 * result.error_m, result.meters, result.error_deg, result.rotations, kept ? "within" : "beyond",
-      100.0 * bound_m, bound_deg);
+      100.0 * bound_m, bound_deg,
+      kept
+          ? ""
+          : ": poses may be further off than their ellipses say; set odometry_error_m_per_m and "
+            "odometry_error_deg_per_45_deg to what the robot has, or use the method hector, which matches whole scans");
 }
 
 }  // namespace rastro

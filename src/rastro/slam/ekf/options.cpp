@@ -151,17 +151,19 @@ void add_association_options(OptionTable& table, EkfOptions& o) {
 }
 
 void add_unsure_options(OptionTable& table, EkfOptions& o) {
-  table.add({"unsure_m",
-             &o.unsure_m,
-             "m",
-             "an unidentified landmark whose position relative to the body is less certain than this needs companions",
-             0,
-             1e6,
-             {}});
+  table.add(
+      {"unsure_m",
+       &o.unsure_m,
+       "m",
+       "an unidentified landmark whose position relative to the body is less certain than this is recognized only with "
+       "companions",
+       0,
+       1e6,
+       {}});
   table.add({"companions",
              &o.companions,
              "",
-             "other landmarks matched in the same frame at the distances of the map, see unsure_m",
+             "other landmarks that must be recognized with it, all at the distances of the map, see unsure_m",
              0,
              100,
              {}});

@@ -36,7 +36,7 @@ struct EkfOptions {
   double new_gate = 27.6;
   double ambiguity = 3.0;
   double unsure_m = 0.5;
-  int companions = 1;
+  int companions = 3;
   double max_direction_deg = 30.0;
   int observations = 5;
   int candidate_frames = 30;
