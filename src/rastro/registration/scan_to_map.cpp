@@ -26,12 +26,9 @@ class Sampler {
   MapValue at(float x, float y) const {
     const float u = x * per_meter_ - 0.5F, v = y * per_meter_ - 0.5F;
     const float column = std::floor(u), row = std::floor(v);
-    if (!(column >= 0.0F && row >= 0.0F && column < static_cast<float>(map_.width - 1) &&
-          row < static_cast<float>(map_.height - 1)))
-      return {};
+    if (!holds(column, row)) return {};
     const float fx = u - column, fy = v - row;
-    const std::uint8_t* cell =
-        map_.cells + static_cast<std::ptrdiff_t>(row) * map_.width + static_cast<std::ptrdiff_t>(column);
+    const std::uint8_t* cell = cell_at(column, row);
     constexpr float unit = 1.0F / 255.0F;
     const float p00 = unit * static_cast<float>(cell[0]), p10 = unit * static_cast<float>(cell[1]);
     const float p01 = unit * static_cast<float>(cell[map_.width]),
@@ -41,7 +38,24 @@ class Sampler {
             per_meter_ * (upper - lower)};
   }
 
+  /// Whether anything is known of the four cells around the position.
+  bool knows(float x, float y) const {
+    const float column = std::floor(x * per_meter_ - 0.5F), row = std::floor(y * per_meter_ - 0.5F);
+    if (!holds(column, row)) return false;
+    const std::uint8_t* cell = cell_at(column, row);
+    constexpr std::uint8_t unknown = LogOddsSteps::nothing_known;
+    return cell[0] != unknown || cell[1] != unknown || cell[map_.width] != unknown || cell[map_.width + 1] != unknown;
+  }
+
  private:
+  bool holds(float column, float row) const {
+    return column >= 0.0F && row >= 0.0F && column < static_cast<float>(map_.width - 1) &&
+           row < static_cast<float>(map_.height - 1);
+  }
+  const std::uint8_t* cell_at(float column, float row) const {
+    return map_.cells + static_cast<std::ptrdiff_t>(row) * map_.width + static_cast<std::ptrdiff_t>(column);
+  }
+
   const ProbabilityView& map_;
   float per_meter_;
 };
@@ -79,6 +93,18 @@ NormalEquations accumulate(const Sampler& map, std::span<const Eigen::Vector2d> 
   normal.sum = sum;
   normal.squares = squares;
   return normal;
+}
+
+void judge_mapped_part(const Sampler& map, std::span<const Eigen::Vector2d> points, const SE2& map_from_body,
+                       ScanToMapFit& fit) {
+  float sum = 0.0F;
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2f end = (map_from_body * point - map.origin()).cast<float>();
+    if (!map.knows(end.x(), end.y())) continue;
+    ++fit.mapped;
+    sum += map.at(end.x(), end.y()).value;
+  }
+  if (fit.mapped > 0) fit.agreement = static_cast<double>(sum) / fit.mapped;
 }
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
@@ -125,13 +151,15 @@ std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> l
       if (step.norm() < options.smallest_step_m) break;
     }
   }
-  const NormalEquations last = accumulate(Sampler(levels.front()), points, pose);
+  const Sampler finest(levels.front());
+  const NormalEquations last = accumulate(finest, points, pose);
   const auto count = static_cast<double>(points.size());
   ScanToMapFit fit;
   fit.map_from_body = SE2(SO2::from_angle(pose.z()), pose.head<2>());
   fit.information = last.information;
   fit.score = 1.0 - last.sum / count;
   fit.residual_variance = last.squares / count;
+  judge_mapped_part(finest, points, fit.map_from_body, fit);
   return fit;
 }
 

@@ -29,12 +29,14 @@ struct ScanToMapFit {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double score = 0.0;              ///< Mean of the map at the beams' endpoints, 0..1.
   double residual_variance = 0.0;  ///< Variance of 1 - M over the beams.
+  int mapped = 0;          ///< Endpoints where anything is known of the map; the others say nothing about the pose.
+  double agreement = 0.0;  ///< Mean of the map at these, 0..1.
 };
 
 /// Scan-to-map matching: aligns the scan's endpoints with the map's occupied cells. Gauss-Newton on the sum of (1 -
 /// M(endpoint))^2, coarse to fine, with M interpolated between cells (Kohlbrecher et al. 2011, equations 4 to 12).
 /// `levels`: the finest first. `points`: the returns in the body frame, meters. nullopt without points or levels. In
-/// unknown parts of the map the guess stays and the score is that of unknown cells, 128/255.
+/// unknown parts of the map the guess stays and the score is that of unknown cells, 128/255; `mapped` tells them.
 std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> levels,
                                               std::span<const Eigen::Vector2d> points, const SE2& guess,
                                               const ScanPrior* prior, const ScanToMapOptions& options);

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "rastro/base/error.h"
-#include "rastro/math/median.h"
 #include "rastro/math/robust_kernel.h"
 
 namespace rastro {
@@ -18,22 +18,35 @@ namespace {
 constexpr int iterations = 20;
 constexpr double least_shift_px = 1.0;
 
-/// Each pair's own lambda, weighted by its shift: an initial value that outliers do not affect.
-double weighted_median_slope(std::span<const double> shifts, std::span<const double> yaws) {
-  std::vector<std::pair<double, double>> slopes;
-  double total = 0.0;
-  for (std::size_t i = 0; i < shifts.size(); ++i) {
-    if (shifts[i] == 0.0) continue;
-    slopes.emplace_back(yaws[i] / shifts[i], std::abs(shifts[i]));
-    total += std::abs(shifts[i]);
-  }
-  std::sort(slopes.begin(), slopes.end());
-  double sum = 0.0;
-  for (const auto& [slope, weight] : slopes) {
-    sum += weight;
-    if (2.0 * sum >= total) return slope;
+struct Weighted {
+  double value, weight;
+};
+
+double weighted_median(std::vector<Weighted> values) {
+  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  double total = 0.0, sum = 0.0;
+  for (const Weighted& each : values) total += each.weight;
+  for (const Weighted& each : values) {
+    sum += each.weight;
+    if (2.0 * sum >= total) return each.value;
   }
   return 0.0;
+}
+
+/// Each pair's own lambda, weighted by its shift: an initial value that outliers do not affect.
+double weighted_median_slope(std::span<const double> shifts, std::span<const double> yaws) {
+  std::vector<Weighted> slopes;
+  for (std::size_t i = 0; i < shifts.size(); ++i)
+    if (shifts[i] != 0.0) slopes.push_back({yaws[i] / shifts[i], std::abs(shifts[i])});
+  return weighted_median(std::move(slopes));
+}
+
+/// Standard deviation of the residuals. Frames in which the camera stands still say nothing about it, however many.
+double deviation_of(std::span<const double> shifts, std::span<const double> differences) {
+  std::vector<Weighted> weighted;
+  for (std::size_t i = 0; i < shifts.size(); ++i) weighted.push_back({differences[i], std::abs(shifts[i])});
+  // 1.4826 medians are a standard deviation of normal errors.
+  return std::max(1e-12, 1.4826 * weighted_median(std::move(weighted)));
 }
 
 }  // namespace
@@ -51,22 +64,21 @@ YawCalibration calibrate_yaw(std::span<const double> shifts, std::span<const dou
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::vector<double> differences(shifts.size());
     for (std::size_t i = 0; i < shifts.size(); ++i) differences[i] = std::abs(yaws[i] - result.lambda * shifts[i]);
-    // 1.4826 medians are a standard deviation of normal errors.
-    const double deviation = std::max(1e-12, 1.4826 * upper_median(differences));
-    const TukeyKernel kernel{4.6851 * deviation};
-    double squares = 0.0, products = 0.0, errors = 0.0, weights = 0.0;
+    const TukeyKernel kernel{4.6851 * deviation_of(shifts, differences)};
+    double squares = 0.0, products = 0.0, errors = 0.0, weights = 0.0, squared_products = 0.0;
     result.used = 0;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       const double weight = kernel.weight(differences[i] * differences[i]);
       squares += weight * shifts[i] * shifts[i];
       products += weight * shifts[i] * yaws[i];
       errors += weight * differences[i] * differences[i];
+      squared_products += weight * shifts[i] * shifts[i] * differences[i] * differences[i];
       weights += weight;
       result.used += weight > 0.5 ? 1 : 0;
     }
     result.lambda = products / squares;
     result.rms_rad = std::sqrt(errors / weights);
-    result.sigma = result.rms_rad / std::sqrt(squares);
+    result.sigma = std::sqrt(squared_products) / squares;
   }
   return result;
 }

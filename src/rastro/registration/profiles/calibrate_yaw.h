@@ -14,7 +14,8 @@ struct YawCalibration {
 
 /// lambda of yaw = lambda * shift (METHODS 2.2) from shifts (pixels) and the yaw changes of a reference (radians,
 /// positive to the left) over the same pairs of frames: least squares with outliers rejected (Tukey, its width from the
-/// median of the residuals). Throws Error for fewer than 3 pairs or with hardly any rotation (shifts below 1 px).
+/// median of the residuals, weighted by the shifts: the camera may stand still most of the time). Throws Error for
+/// fewer than 3 pairs or with hardly any rotation (shifts below 1 px).
 YawCalibration calibrate_yaw(std::span<const double> shifts_px, std::span<const double> yaw_changes_rad);
 
 }  // namespace rastro

@@ -41,6 +41,20 @@ TEST(CalibrateYaw, IsRobustToNoiseAndOutliersWithinItsSigma) {
   EXPECT_LT(found.used, 180);
 }
 
+/// As from a robot that waits most of the time: without any motion, and with errors smaller than when it moves.
+TEST(CalibrateYaw, ACameraThatMostlyStandsStillChangesNothing) {
+  const auto moving = pairs(1.0 / 721.0, 0.001, 0.1);
+  const auto alone = calibrate_yaw(moving.shifts, moving.yaws);
+  for (const double still_px : {0.0, 1e-4}) {
+    Pairs standing = moving;
+    standing.shifts.insert(standing.shifts.begin(), 400, still_px);
+    standing.yaws.insert(standing.yaws.begin(), 400, 0.0);
+    const auto found = calibrate_yaw(standing.shifts, standing.yaws);
+    EXPECT_NEAR(found.lambda, alone.lambda, 0.5 * alone.sigma);
+    EXPECT_NEAR(found.sigma / alone.sigma, 1.0, 0.05);
+  }
+}
+
 TEST(CalibrateYaw, GivesAnErrorWithoutRotation) {
   const std::vector<double> shifts{0.1, -0.2, 0.05}, yaws{0.0, 0.0, 0.0};
   EXPECT_THROW(calibrate_yaw(shifts, yaws), Error);

@@ -33,12 +33,13 @@ double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<doubl
 
 ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_from_body) {
   jumped_ = false;
+  growth_.setZero();
   if (options_.guess == "none") return {last_, 0.2, 0.2, false};
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
   // Its first step after that is of the whole time, which the scans have followed.
   if (unmoved_ >= frozen_scans) return from_speed(stamp);
-  const SE2 by_odometry = last_odometry_->inverse() * *odometry_from_body;
-  const SE2 moved(by_odometry.rotation(), scale_.factor() * by_odometry.translation());
+  const SE2 measured = last_odometry_->inverse() * *odometry_from_body;
+  const SE2 moved(measured.rotation(), scale_.factor() * measured.translation());
   const double distance_m = moved.translation().norm(), angle = std::abs(moved.rotation().angle());
   if (jumps(distance_m, stamp) || !std::isfinite(angle) || odometry_is_given_up()) {
     jumped_ = true;
@@ -46,8 +47,13 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
     return from_speed(stamp);
   }
   if (distance_m > 0.0) distrust_ = std::max(0.0, distrust_ - trust_of_step);
-  return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * distance_m,
-          least_sigma_rad + options_.odometry_yaw_sigma_share * angle, true};
+  growth_ << options_.odometry_sigma_share * distance_m, options_.odometry_yaw_sigma_share * angle;
+  return guess_at(moved, least_sigma_m, least_sigma_rad);
+}
+
+ScanGuess MotionGuess::guess_at(const SE2& moved, double least_m, double least_rad) const {
+  const Eigen::Vector2d sigma = Eigen::Vector2d(least_m, least_rad) + growth_ + unseen_growth_;
+  return {last_ * moved, sigma.x(), std::min(sigma.y(), std::numbers::pi), true};
 }
 
 bool MotionGuess::odometry_is_given_up() const { return distrust_ >= most_distrust; }
@@ -78,21 +84,27 @@ double MotionGuess::scans_since_last(TimeNs stamp) const {
   return scans < 3.0 ? 1.0 : std::min(scans, most_scans_ahead);
 }
 
-double MotionGuess::gap_s(TimeNs stamp) const {
+double MotionGuess::gap_s(TimeNs stamp) const { return many_periods_s(last_seen_stamp_, stamp); }
+
+/// 0 if they are few.
+double MotionGuess::many_periods_s(TimeNs from, TimeNs to) const {
   constexpr double shortest_s = 1.0, shortest_periods = 10.0;
   if (periods_.size() < periods_kept) return 0.0;
-  const double seconds = seconds_between(last_stamp_, stamp);
+  const double seconds = seconds_between(from, to);
   return seconds > shortest_s && seconds > shortest_periods * period_s() ? seconds : 0.0;
 }
 
-ScanGuess MotionGuess::from_speed(TimeNs stamp) const {
+ScanGuess MotionGuess::from_speed(TimeNs stamp) {
+  constexpr double least_m = 0.05, least_rad = 0.05;
   const Eigen::Vector3d step = scans_since_last(stamp) * step_;
   const SE2 moved(SO2::from_angle(step.z()), step.head<2>());
   // It may have gone on all the time, or stopped.
-  const double scans = gap_s(stamp) > 0.0 ? gap_s(stamp) / period_s() : scans_since_last(stamp);
+  const double missing_s = many_periods_s(last_stamp_, stamp);
+  const double scans = missing_s > 0.0 ? missing_s / period_s() : scans_since_last(stamp);
   const double beyond = std::max(0.0, scans - scans_since_last(stamp));
-  return {last_ * moved, 0.05 + 0.5 * step.head<2>().norm() + beyond * step_.head<2>().norm(),
-          std::min(0.05 + 0.5 * std::abs(step.z()) + beyond * std::abs(step_.z()), std::numbers::pi), true};
+  growth_ << 0.5 * step.head<2>().norm() + beyond * step_.head<2>().norm(),
+      0.5 * std::abs(step.z()) + beyond * std::abs(step_.z());
+  return guess_at(moved, least_m, least_rad);
 }
 
 void MotionGuess::watch_odometry(const SE2& odometry_from_body, const SE2& moved) {
@@ -113,10 +125,24 @@ void MotionGuess::learn_scale(const SE2& odometry_from_body, const SE2& moved) {
 
 void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body,
                          bool by_scan) {
+  // The step from a guess to a scan also holds what the guess was wrong by.
+  const bool between_scans = started_ && by_scan && last_stamp_ == last_seen_stamp_;
+  if (between_scans && odometry_from_body) learn_scale(*odometry_from_body, last_.inverse() * local_from_body);
+  remember(stamp, odometry_from_body, local_from_body);
+  unseen_growth_.setZero();
+  last_seen_stamp_ = stamp;
+}
+
+void MotionGuess::settle_unseen(TimeNs stamp, const std::optional<SE2>& odometry_from_body,
+                                const SE2& local_from_body) {
+  remember(stamp, odometry_from_body, local_from_body);
+  unseen_growth_ += growth_;
+}
+
+void MotionGuess::remember(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body) {
   if (started_) {
     const SE2 moved = last_.inverse() * local_from_body;
     if (odometry_from_body) watch_odometry(*odometry_from_body, moved);
-    if (odometry_from_body && by_scan) learn_scale(*odometry_from_body, moved);
     step_ << moved.translation(), moved.rotation().angle();
     step_ /= scans_since_last(stamp);
     if (jumps(moved.translation().norm(), stamp)) step_.setZero();

@@ -26,14 +26,20 @@ class MotionGuess {
   /// `by_scan`: the scan alone determined the pose, so that it tells whether odometry is right.
   void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body,
               bool by_scan = false);
+  /// As settle(), for a frame whose scan tells nothing: `local_from_body` is the guess, whose errors the next one has
+  /// too.
+  void settle_unseen(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
   /// Meters that the robot moves where odometry says one; 1 unless scans clearly say otherwise.
   double odometry_scale() const { return scale_.factor(); }
-  /// Seconds without scans before this one; 0 unless they are many periods.
+  /// Seconds since the last scan that told a pose; 0 unless they are many periods.
   double gap_s(TimeNs stamp) const;
   const SE2& last() const { return last_; }
 
  private:
-  ScanGuess from_speed(TimeNs stamp) const;
+  ScanGuess from_speed(TimeNs stamp);
+  ScanGuess guess_at(const SE2& moved, double least_m, double least_rad) const;
+  void remember(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
+  double many_periods_s(TimeNs from, TimeNs to) const;
   double period_s() const;
   double scans_since_last(TimeNs stamp) const;
   bool jumps(double distance_m, TimeNs stamp) const;
@@ -45,7 +51,9 @@ class MotionGuess {
   std::optional<SE2> last_odometry_;
   OdometryScale scale_;
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, meters and radians.
-  TimeNs last_stamp_ = 0;
+  TimeNs last_stamp_ = 0, last_seen_stamp_ = 0;     ///< Of the last frame, and of the last scan that told a pose.
+  /// Growth of sigma with the motion, meters and radians: of the last guess, and over the frames since that scan.
+  Eigen::Vector2d growth_ = Eigen::Vector2d::Zero(), unseen_growth_ = Eigen::Vector2d::Zero();
   std::deque<double> periods_;  ///< Seconds between the last scans.
   int unmoved_ = 0;             ///< Scans that moved while the odometry stayed the same to the last bit.
   double distrust_ = 0.0;       ///< Jumps of odometry, less what it moved plausibly.

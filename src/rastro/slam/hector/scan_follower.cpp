@@ -5,8 +5,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "rastro/registration/scan_to_map.h"
-
 namespace rastro {
 namespace {
 
@@ -61,51 +59,80 @@ Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
   return std::max(0.01, fit.residual_variance) * information.inverse();
 }
 
+/// The share of the guess along the direction, none at three times `ratio` and all below it.
+double weight_of_guess(double share, double ratio) { return std::clamp(1.5 - 0.5 * share / ratio, 0.0, 1.0); }
+
 /// Keeps the guess along that direction, by `weight`: the map's gradient there is only noise of its cells, which would
 /// keep the robot from moving (Zhang et al. 2016).
 void keep_guess_along(const Eigen::Vector2d& direction, double weight, const ScanGuess& guess, FollowedScan& followed) {
   const Eigen::Vector2d position = followed.local_from_body.translation();
   const double off = direction.dot(guess.local_from_body.translation() - position);
   followed.local_from_body = SE2(followed.local_from_body.rotation(), position + weight * off * direction);
+  if (followed.unseen_direction) return;  // the covariance leaves it to the guess
+  // The variance of a mixture: right is the guess, with its sigma, or the scan.
+  const double variance = weight * guess.sigma_m * guess.sigma_m + weight * (1.0 - weight) * off * off;
+  followed.guess_covariance.topLeftCorner<2, 2>() = variance * direction * direction.transpose();
 }
 
 }  // namespace
 
-FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess) const {
-  const SE2 submap_from_local = map.local_from_submap().inverse();
-  SE2 start = submap_from_local * guess.local_from_body;
-  const ScanPrior prior = prior_of(guess, start);
-  const ScanToMapOptions matching{options_.match_iterations};
-  FollowedScan followed;
-  auto fit = match_scan_to_map(map.levels(), points, start, &prior, matching);
-  const bool far = guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
-  if (far || !fit || fit->score < options_.min_score) {
-    followed.searched = true;
-    // The surroundings may be mostly unmapped: the better of the two fits decides, not this.
-    constexpr double least_score = 0.2;
-    constexpr double sigmas = 4.0;
-    const bool poor = !fit || fit->score < options_.min_score;
-    const CorrelativeWindow window{
-        poor ? options_.search_reach_m : std::min(options_.search_reach_m, sigmas * guess.sigma_m),
-        poor ? options_.search_reach_rad : std::min(options_.search_reach_rad, sigmas * guess.sigma_rad), least_score};
-    if (const auto found = map.correlative().search(points, start, window)) {
-      const auto other = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, matching);
-      if (other && (!fit || other->score > fit->score)) fit = other;
-    }
-  }
-  followed.local_from_body = guess.local_from_body;
-  if (!fit) return followed;
-  followed.score = fit->score;
-  followed.fits = fit->score >= options_.min_score;
-  if (!followed.fits) return followed;
-  followed.local_from_body = map.local_from_submap() * fit->map_from_body;
+/// Unknown cells count a half, more than a poor match: where most of the scan lies in them, the rest must agree alone.
+bool ScanFollower::contradicted(const ScanToMapFit& fit, std::size_t points) const {
+  if (fit.score < options_.min_score) return true;
+  const bool mostly_unknown = 2 * static_cast<std::size_t>(fit.mapped) < points;
+  return mostly_unknown && !unmapped(fit) && fit.agreement < options_.min_score;
+}
+
+/// Best match in the window around the guess; nullopt where the map tells nothing of it.
+std::optional<ScanToMapFit> ScanFollower::searched(Submap& map, std::span<const Eigen::Vector2d> points,
+                                                   const ScanGuess& guess, bool poor) const {
+  // The surroundings may be mostly unmapped: the better of the two fits decides, not this.
+  constexpr double least_score = 0.2;
+  constexpr double sigmas = 4.0;
+  const CorrelativeWindow window{
+      poor ? options_.search_reach_m : std::min(options_.search_reach_m, sigmas * guess.sigma_m),
+      poor ? options_.search_reach_rad : std::min(options_.search_reach_rad, sigmas * guess.sigma_rad), least_score};
+  const auto found =
+      map.correlative().search(points, map.local_from_submap().inverse() * guess.local_from_body, window);
+  if (!found) return std::nullopt;
+  const auto fit = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, {options_.match_iterations});
+  return fit && !unmapped(*fit) ? fit : std::nullopt;
+}
+
+void ScanFollower::keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
+                                           FollowedScan& followed) const {
   const WeakDirection weak = weak_direction(points);
   const Eigen::Vector2d direction = followed.local_from_body.rotation() * weak.direction;
   if (weak.share < options_.degenerate_ratio) followed.unseen_direction = direction;
-  // The scan's influence along the direction grows from none at that share to full at three times that share.
-  const double weight = std::clamp(1.5 - 0.5 * weak.share / options_.degenerate_ratio, 0.0, 1.0);
-  followed.sees_all_directions = weight == 0.0;
+  const double weight = weight_of_guess(weak.share, options_.degenerate_ratio);
+  followed.sees_all_directions = weight == 0.0 && !followed.unmapped;
   if (guess.trusted && weight > 0.0) keep_guess_along(direction, weight, guess, followed);
+}
+
+FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess) const {
+  const SE2 start = map.local_from_submap().inverse() * guess.local_from_body;
+  const ScanPrior prior = prior_of(guess, start);
+  FollowedScan followed;
+  followed.local_from_body = guess.local_from_body;
+  auto fit = match_scan_to_map(map.levels(), points, start, &prior, {options_.match_iterations});
+  const bool poor = !fit || contradicted(*fit, points.size());
+  followed.searched = poor || guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
+  if (followed.searched) {
+    const auto other = searched(map, points, guess, poor);
+    if (other && (!fit || other->score > fit->score)) fit = other;
+  }
+  if (!fit) return followed;
+  followed.score = fit->score;
+  followed.mapped = fit->mapped;
+  followed.fits = !contradicted(*fit, points.size());
+  if (!followed.fits) return followed;
+  followed.unmapped = unmapped(*fit);
+  if (followed.unmapped) {
+    fit->information.setZero();
+  } else {
+    followed.local_from_body = map.local_from_submap() * fit->map_from_body;
+  }
+  keep_guess_where_unseen(points, guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;
 }

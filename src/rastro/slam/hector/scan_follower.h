@@ -6,6 +6,7 @@
 #include <span>
 
 #include "rastro/math/se2.h"
+#include "rastro/registration/scan_to_map.h"
 #include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/submap.h"
 
@@ -15,11 +16,16 @@ namespace rastro {
 struct FollowedScan {
   SE2 local_from_body;
   double score = 0.0;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of (x, y, angle), local axes.
-  bool searched = false;                                 ///< The larger window was searched.
-  bool fits = false;                                     ///< False: the pose is the guess.
-  std::optional<Eigen::Vector2d> unseen_direction;       ///< Unit vector along which the scan gives no constraint.
-  bool sees_all_directions = false;                      ///< The scan alone determined the position.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the match, (x, y, angle), local axes.
+  /// What the guess adds to it where the pose is partly the scan's and partly the guess's.
+  Eigen::Matrix3d guess_covariance = Eigen::Matrix3d::Zero();
+  bool searched = false;  ///< The larger window was searched.
+  bool fits = false;      ///< Nothing contradicts the pose. False: it is the guess.
+  bool unmapped = false;  ///< It fits, but where too little is mapped to tell: the pose is the guess.
+  int mapped = 0;         ///< Returns that lie where the map is known.
+  std::optional<Eigen::Vector2d> unseen_direction =
+      std::nullopt;                  ///< Unit vector along which the scan gives no constraint.
+  bool sees_all_directions = false;  ///< The scan alone determined the position.
 };
 
 /// The predicted pose before the scan is matched.
@@ -36,6 +42,13 @@ class ScanFollower {
   FollowedScan follow(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess) const;
 
  private:
+  bool unmapped(const ScanToMapFit& fit) const { return fit.mapped < options_.min_returns; }
+  bool contradicted(const ScanToMapFit& fit, std::size_t points) const;
+  std::optional<ScanToMapFit> searched(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
+                                       bool poor) const;
+  void keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
+                               FollowedScan& followed) const;
+
   const HectorOptions& options_;
 };
 

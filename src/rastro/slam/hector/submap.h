@@ -31,7 +31,8 @@ struct KeyScan {
   SE2 local_from_body;                                             ///< As the matcher estimated it.
   double path_m = 0.0;                                             ///< Path length up to here.
   std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;  ///< Body frame; unobservable in the scan.
-  Eigen::Vector3d gap_sigma = Eigen::Vector3d::Zero();  ///< Of the step to it (x, y, angle), after missing scans.
+  /// Of the step to it after missing scans, (x, y, angle), local axes; otherwise zero.
+  Eigen::Matrix3d gap_covariance = Eigen::Matrix3d::Zero();
 };
 
 /// A part of the map, made of consecutive key scans, with cells of several sizes. Its frame has its origin at the first

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/hector/submap_graph.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -62,6 +63,7 @@ std::size_t SubmapGraph::add_key_scan(KeyScan scan, const Eigen::Matrix3d& covar
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (!submaps_[s]->finished()) submaps_[s]->insert(scan.scan, scan.local_from_body, key_scan);
   }
+  if (!scan.gap_covariance.isZero(0.0)) after_gaps_.push_back(key_scan);
   key_scans_.push_back(std::move(scan));
   pose_of_key_scan_.push_back(poses_.size());
   poses_.push_back(world_from_body);
@@ -95,7 +97,9 @@ void SubmapGraph::constrain_to_last(std::size_t key_scan) {
     const Eigen::Vector2d along = slip_share * last_from_body.translation().norm() * *last.unseen_direction;
     covariance.topLeftCorner<2, 2>() = along * along.transpose();
   }
-  covariance.diagonal() += scan.gap_sigma.cwiseAbs2();
+  Eigen::Matrix3d last_from_local = Eigen::Matrix3d::Identity();
+  last_from_local.topLeftCorner<2, 2>() = last.local_from_body.rotation().inverse().matrix();
+  covariance += last_from_local * scan.gap_covariance * last_from_local.transpose();
   constraints_.push_back(edge_between(pose_of_key_scan_[key_scan - 1], pose_of_key_scan_[key_scan], last_from_body,
                                       information_of(covariance, least_sigma_m, least_sigma_rad),
                                       ConstraintKind::odometry));
@@ -138,33 +142,52 @@ std::vector<Constraint> SubmapGraph::constraints() const {
   return constraints;
 }
 
-/// Path length without a constraint to the submap or an older one: what may have drifted relative to it.
-std::vector<double> SubmapGraph::unconstrained_paths(const KeyScan& scan) const {
-  std::vector<double> constrained_m(submaps_.size(), 0.0);
-  for (const ClosedLoop& loop : loops_)
-    constrained_m[loop.submap] = std::max(constrained_m[loop.submap], key_scans_[loop.key_scan].path_m);
-  double older_constrained_m = 0.0;
+/// The last key scan with a constraint to the submap or an older one, by submap: what comes after it may have drifted.
+std::vector<std::size_t> SubmapGraph::last_constrained() const {
+  std::vector<std::size_t> last(submaps_.size(), 0);
+  for (const ClosedLoop& loop : loops_) last[loop.submap] = std::max(last[loop.submap], loop.key_scan);
+  std::size_t older = 0;
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    older_constrained_m = std::max(older_constrained_m, constrained_m[s]);
-    const double made_m = submaps_[s]->key_scans().empty() ? 0.0 : key_scans_[submaps_[s]->key_scans().back()].path_m;
-    constrained_m[s] = std::max(0.0, scan.path_m - std::max(made_m, older_constrained_m));
+    older = std::max(older, last[s]);
+    const std::size_t made = submaps_[s]->key_scans().empty() ? 0 : submaps_[s]->key_scans().back();
+    last[s] = std::max(made, older);
   }
-  return constrained_m;
+  return last;
+}
+
+/// Of key scan `to` relative to `from`, by the missing scans between them alone: meters and radians.
+Eigen::Vector2d SubmapGraph::gap_sigma(std::size_t from, std::size_t to) const {
+  Eigen::Vector2d variance = Eigen::Vector2d::Zero();
+  for (const std::size_t gap : after_gaps_) {
+    if (gap <= from || gap > to) continue;
+    const Eigen::Matrix3d& covariance = key_scans_[gap].gap_covariance;
+    const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
+    const Eigen::Vector2d since =
+        key_scans_[to].local_from_body.translation() - key_scans_[gap].local_from_body.translation();
+    variance.x() += position.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+    variance.x() += covariance(2, 2) * since.squaredNorm();  // a wrong heading leads away
+    variance.y() += covariance(2, 2);
+  }
+  return variance.cwiseSqrt();
 }
 
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_scan, bool near_only) const {
   std::vector<Candidate> candidates;
-  const std::vector<double> unconstrained_m = unconstrained_paths(key_scans_[key_scan]);
+  const std::vector<std::size_t> last_constrained = this->last_constrained();
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     const std::vector<std::size_t>& scans = submaps_[s]->key_scans();  // none if missing scans followed its beginning
     if (!submaps_[s]->finished() || submaps_[s]->released() || scans.empty() || made_by(s, key_scan)) continue;
     if (!near_only && key_scan < scans.back()) continue;
     Candidate candidate{s, key_scan, 0.0, 0.0, !near_only};
     if (!near_only) {
+      constexpr double gap_sigmas = 3.0;
+      const std::size_t last = last_constrained[s];
+      const double path_m = std::max(0.0, key_scans_[key_scan].path_m - key_scans_[last].path_m);
+      const Eigen::Vector2d gap = gap_sigmas * gap_sigma(last, key_scan);
       candidate.reach_m =
-          std::min(options_.loop_max_reach_m, options_.loop_reach_m + options_.loop_drift_share * unconstrained_m[s]);
+          std::min(options_.loop_max_reach_m, options_.loop_reach_m + options_.loop_drift_share * path_m + gap.x());
       candidate.reach_rad = std::min(options_.loop_max_reach_rad,
-                                     options_.loop_reach_rad + options_.loop_drift_rad_per_m * unconstrained_m[s]);
+                                     options_.loop_reach_rad + options_.loop_drift_rad_per_m * path_m + gap.y());
     }
     const double distance = distance_to(s, world_from_key_scan(key_scan).translation());
     if (distance < options_.loop_near_m + candidate.reach_m) candidates.push_back(candidate);
@@ -173,9 +196,11 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_s
 }
 
 /// Points of the key scan and those before it, in its body frame, one per cell: several scans are less ambiguous than
-/// one.
+/// one. None from before missing scans: they would fit where they were, and hold the others there.
 std::vector<Eigen::Vector2d> SubmapGraph::points_around(std::size_t key_scan) const {
-  const std::size_t first = key_scan + 1 - std::min(key_scan + 1, static_cast<std::size_t>(options_.loop_scans));
+  std::size_t first = key_scan + 1 - std::min(key_scan + 1, static_cast<std::size_t>(options_.loop_scans));
+  for (const std::size_t gap : after_gaps_)
+    if (gap <= key_scan) first = std::max(first, gap);
   const SE2 body_from_local = key_scans_[key_scan].local_from_body.inverse();
   std::set<std::pair<int, int>> taken;
   std::vector<Eigen::Vector2d> points;

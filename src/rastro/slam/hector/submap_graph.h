@@ -34,6 +34,7 @@ class SubmapGraph {
   std::size_t add_key_scan(KeyScan scan, const Eigen::Matrix3d& covariance);
 
   std::vector<std::unique_ptr<Submap>>& submaps() { return submaps_; }
+  const std::vector<std::unique_ptr<Submap>>& submaps() const { return submaps_; }
   const std::vector<KeyScan>& key_scans() const { return key_scans_; }
   const std::vector<std::size_t>& key_scans_of(std::size_t submap) const { return submaps_[submap]->key_scans(); }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
@@ -71,7 +72,8 @@ class SubmapGraph {
 
   void constrain_to_submap(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
   void constrain_to_last(std::size_t key_scan);
-  std::vector<double> unconstrained_paths(const KeyScan& scan) const;
+  std::vector<std::size_t> last_constrained() const;
+  Eigen::Vector2d gap_sigma(std::size_t from, std::size_t to) const;
   std::vector<Candidate> candidates_of(std::size_t key_scan, bool near_only) const;
   bool made_by(std::size_t submap, std::size_t key_scan) const;
   double distance_to(std::size_t submap, const Eigen::Vector2d& world) const;
@@ -95,6 +97,7 @@ class SubmapGraph {
   std::vector<KeyScan> key_scans_;
   std::vector<SE2> poses_;
   std::vector<std::size_t> pose_of_submap_, pose_of_key_scan_;
+  std::vector<std::size_t> after_gaps_;  ///< Key scans that followed missing scans.
   std::vector<Constraint> constraints_;  ///< Between poses_, as edge_of().
   std::vector<ClosedLoop> loops_;
   bool sparing_ = false;

@@ -8,7 +8,7 @@ namespace rastro {
 std::size_t SubmapGraph::bytes() const {
   std::size_t bytes = poses_.size() * sizeof(SE2) + constraints_.size() * sizeof(Constraint) +
                       loops_.size() * sizeof(ClosedLoop) +
-                      (pose_of_submap_.size() + pose_of_key_scan_.size()) * sizeof(std::size_t);
+                      (pose_of_submap_.size() + pose_of_key_scan_.size() + after_gaps_.size()) * sizeof(std::size_t);
   for (const auto& submap : submaps_) bytes += submap->bytes();
   for (const KeyScan& key_scan : key_scans_)
     bytes += sizeof(KeyScan) + key_scan.scan.points.size() * sizeof(Eigen::Vector2d);
