@@ -219,5 +219,27 @@ TEST(ScanToMap, ScoreIsTheMapBetweenTheCentersOfFourCells) {
   EXPECT_NEAR(at(0.1, 0.25), unknown, 1e-6) << "outside";
 }
 
+TEST(ScanToMap, TellsHowManyEndpointsLieInTheMapAndHowWellTheyAgree) {
+  const Walls walls = l_shaped_room();
+  const Levels levels(walls, places_in_room());
+  const SE2 pose = pose_of(-0.5, 0.3, 0.7);
+  std::vector<Eigen::Vector2d> points = walls.returns(pose, 360, 20.0);
+  const auto all = match_scan_to_map(levels.views(), points, pose, nullptr, {0});
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->mapped, 360);
+  EXPECT_NEAR(all->agreement, all->score, 1e-4);
+  for (int k = 0; k < 240; ++k) points.emplace_back(50.0, 0.1 * k);
+  const auto some = match_scan_to_map(levels.views(), points, pose, nullptr, {0});
+  ASSERT_TRUE(some);
+  EXPECT_EQ(some->mapped, 360);
+  EXPECT_NEAR(some->agreement, all->agreement, 1e-4);
+  EXPECT_NEAR(some->score, 0.6 * all->score + 0.4 * unknown, 1e-4);
+  const std::vector<Eigen::Vector2d> outside(points.begin() + 360, points.end());
+  const auto none = match_scan_to_map(levels.views(), outside, pose, nullptr, {0});
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->mapped, 0);
+  EXPECT_EQ(none->agreement, 0.0);
+}
+
 }  // namespace
 }  // namespace rastro

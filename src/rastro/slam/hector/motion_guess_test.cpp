@@ -225,5 +225,34 @@ TEST(MotionGuess, ManyPeriodsWithoutAScanAreAGap) {
   EXPECT_NEAR(guess.gap_s(49 * period), 3.0, 1e-9);
 }
 
+TEST(MotionGuess, FramesThatTellNothingNeitherEndAGapNorItsErrors) {
+  const HectorOptions options;
+  MotionGuess guess = with_odometry(options);
+  const auto pose_at = [](int k) { return pose_of(0.05 * k, 0.0, 0.0); };
+  for (int k = 20; k < 49; ++k) {
+    const SE2 guessed = guess.guess(k * period, pose_at(k)).local_from_body;
+    guess.settle_unseen(k * period, pose_at(k), guessed);
+  }
+  EXPECT_NEAR(guess.gap_s(49 * period), 3.0, 1e-9);
+  const ScanGuess found = guess.guess(49 * period, pose_at(49));
+  EXPECT_LT(distance(found.local_from_body, pose_at(49)), 1e-9);
+  EXPECT_NEAR(found.sigma_m, 0.02 + options.odometry_sigma_share * 0.05 * 30, 1e-9) << "of the whole way";
+  guess.settle(49 * period, pose_at(49), pose_at(49));
+  EXPECT_EQ(guess.gap_s(50 * period), 0.0);
+  EXPECT_NEAR(guess.guess(50 * period, pose_at(50)).sigma_m, 0.02 + options.odometry_sigma_share * 0.05, 1e-9);
+}
+
+TEST(MotionGuess, StepsFromAGuessToAScanTellNoScaleOfOdometry) {
+  const HectorOptions options;
+  MotionGuess guess(options);
+  for (int k = 0; k <= 100; ++k) {
+    const SE2 odometry = pose_of(0.1 * k, 0.0, 0.0);
+    const SE2 guessed = guess.guess(k * period, odometry).local_from_body;
+    if (k % 2 == 1) guess.settle_unseen(k * period, odometry, guessed);
+    if (k % 2 == 0) guess.settle(k * period, odometry, pose_of(0.075 * k, 0.0, 0.0), true);
+  }
+  EXPECT_EQ(guess.odometry_scale(), 1.0);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -79,5 +79,28 @@ TEST(HectorSlam, WhatOdometryMayHaveSlippedWhereNothingWasSeenStays) {
   EXPECT_LT(update.covariance->coeff(1, 1), 0.01);
 }
 
+/// Submaps that begin in the corridor have the slip up to there, and what is matched with them no more than all.
+TEST(HectorSlam, SlipAlongACorridorCountsOnceHoweverManySubmapsBegin) {
+  WalledDrive drive;
+  drive.walls.add({-50.0, -1.0}, {50.0, -1.0});
+  drive.walls.add({-50.0, 1.0}, {50.0, 1.0});
+  drive.reach_m = 6.0;
+  drive.world_from_body = {pose_of(0.0, 0.1, 0.0)};
+  drive.go(pose_of(0.1, 0.0, 0.0), 80);
+  HectorOptions options;
+  options.submap_scans = 10;
+  HectorSlam slam(options, nullptr);
+  std::size_t submaps = 0;
+  for (const Frame& frame : drive.frames()) {
+    const SlamUpdate update = slam.process(frame);
+    for (const SlamEvent& event : update.events) submaps += event.kind == "submap" ? 1 : 0;
+    if (frame.index < 30) continue;
+    ASSERT_EQ(update.reason, SlamReason::degenerate);
+    const double slip_m = options.odometry_sigma_share * 0.1 * static_cast<double>(frame.index);
+    EXPECT_NEAR(std::sqrt(update.covariance->coeff(0, 0)) / slip_m, 1.0, 0.1) << frame.index;
+  }
+  EXPECT_GT(submaps, 5U);
+}
+
 }  // namespace
 }  // namespace rastro

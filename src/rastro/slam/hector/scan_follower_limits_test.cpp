@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "rastro/registration/scan_to_map.h"
 #include "rastro/slam/hector/hector_testing.h"
@@ -149,6 +151,75 @@ TEST(ScanFollowerLimits, SurfacesAreReadFromNeighboringReturnsThatAreNotTooFarAp
     // Below the gap the points are one wall along y; beyond it they are no surface at all.
     EXPECT_EQ(std::abs(in_body.y()) > 0.99, between < 0.5) << in_body.transpose();
   }
+}
+
+TEST(ScanFollowerLimits, AGuessThatCountsInPartMakesThePoseUncertainAsItself) {
+  RoomToFollow room;
+  const double share = share_across(room), sigma_m = 0.2;
+  const SE2 off = pose_of(0.06, -0.05, 0.0);
+  room.options.search_from_m = room.options.search_from_rad = 2.0;
+  const auto at_ratio = [&](double ratio, bool trusted) {
+    room.options.degenerate_ratio = ratio;
+    return room.follow(off, sigma_m, 1.0, trusted);
+  };
+  const Eigen::Vector2d direction = at_ratio(1.01 * share, true).unseen_direction.value();
+  const Eigen::Vector2d across(-direction.y(), direction.x());
+  const FollowedScan by_scan = at_ratio(share / 3.01, true);
+  const double between = direction.dot((room.ground_truth * off).translation() - by_scan.local_from_body.translation());
+  for (const double weight : {0.25, 0.5, 0.75}) {
+    const FollowedScan followed = at_ratio(share / (3.0 - 2.0 * weight), true);
+    EXPECT_FALSE(followed.unseen_direction);
+    const Eigen::Matrix2d added = followed.guess_covariance.topLeftCorner<2, 2>();
+    EXPECT_NEAR(direction.dot(added * direction),
+                weight * sigma_m * sigma_m + weight * (1.0 - weight) * between * between, 1e-6);
+    EXPECT_NEAR(across.dot(added * across), 0.0, 1e-9);
+    EXPECT_EQ(at_ratio(share / (3.0 - 2.0 * weight), false).guess_covariance.norm(), 0.0) << "it does not count";
+  }
+  EXPECT_EQ(by_scan.guess_covariance.norm(), 0.0);
+  EXPECT_EQ(at_ratio(1.01 * share, true).guess_covariance.norm(), 0.0) << "the covariance has it already";
+}
+
+TEST(ScanFollowerLimits, WhereNothingIsMappedAScanFitsButItsPoseIsTheGuess) {
+  RoomToFollow room;
+  const FollowedScan followed = room.follow(pose_of(40.0, 0.0, 0.0), 0.1, 0.04, true);
+  EXPECT_TRUE(followed.fits);
+  EXPECT_TRUE(followed.unmapped);
+  EXPECT_EQ(followed.mapped, 0);
+  EXPECT_FALSE(followed.sees_all_directions);
+  EXPECT_EQ(followed.local_from_body.matrix(), (room.ground_truth * pose_of(40.0, 0.0, 0.0)).matrix());
+  EXPECT_GT(followed.covariance(0, 0), 0.1 * 0.1);
+}
+
+TEST(ScanFollowerLimits, AMatchNeedsAsManyReturnsInMappedSpaceAsAPose) {
+  RoomToFollow room;
+  const std::vector<Eigen::Vector2d> points = room.points;
+  for (const int mapped : {19, 20}) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      room.points[i] = points[i] + Eigen::Vector2d(i < static_cast<std::size_t>(mapped) ? 0.0 : 100.0, 0.0);
+    const FollowedScan followed = room.follow(SE2(), 0.05, 0.02, true);
+    EXPECT_TRUE(followed.fits);
+    EXPECT_EQ(followed.mapped, mapped);
+    EXPECT_EQ(followed.unmapped, mapped < room.options.min_returns);
+  }
+}
+
+/// Two thirds of the returns in unknown space, which counts a half, the others where it is free.
+TEST(ScanFollowerLimits, UnknownSpaceDoesNotMakeUpForAMatchThatContradictsTheMap) {
+  RoomToFollow room;
+  Submap submap(room.options, SE2());
+  for (std::size_t k = 0; k < 2; ++k)
+    submap.insert(returns_of(room.drive.scan(20), room.options), room.ground_truth, k);
+  std::vector<Eigen::Vector2d> points;
+  for (int k = 0; k < 360; ++k) {
+    const double range_m = k % 20 < 7 ? 0.4 : 100.0, angle = k * M_PI / 180.0;
+    points.emplace_back(range_m * std::cos(angle), range_m * std::sin(angle));
+  }
+  const FollowedScan followed =
+      ScanFollower(room.options).follow(submap, points, {room.ground_truth, 0.05, 0.02, true});
+  EXPECT_EQ(followed.mapped, 126);
+  EXPECT_GT(followed.score, room.options.min_score);
+  EXPECT_FALSE(followed.fits);
+  EXPECT_EQ(followed.local_from_body.matrix(), room.ground_truth.matrix());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct ShortSubmaps {
   SE2 slip;
   std::size_t slip_from = 1000;
   std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;
+  Eigen::Matrix3d gap_covariance = Eigen::Matrix3d::Zero();  ///< Of the step to that key scan.
 
   SE2 local(std::size_t key) const {
     return key < slip_from ? drive.ground_truth(4 * key) : slip * drive.ground_truth(4 * key);
@@ -33,6 +35,7 @@ struct ShortSubmaps {
   void add(SubmapGraph& graph, std::size_t key) const {
     KeyScan scan{0, static_cast<TimeNs>(key), returns_of(drive.scan(4 * key), options), local(key), 0.24 * key, {}};
     scan.unseen_direction = unseen_direction;
+    if (key == slip_from) scan.gap_covariance = gap_covariance;
     graph.add_key_scan(scan, Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal());
   }
   /// The last submap stays open.
@@ -119,8 +122,12 @@ TEST(SubmapGraph, AReleasedSubmapHasNoLoops) {
 }
 
 /// Loops of the key scans from 12 on, whose frame is 1.2 m off, with submaps before that.
-std::size_t loops_after_a_slip(const HectorOptions& options) {
-  const ShortSubmaps matched{.options = options, .slip = pose_of(1.2, 0.0, 0.0), .slip_from = 12};
+std::size_t loops_after_a_slip(const HectorOptions& options, const Eigen::Vector3d& gap_sigma = {0.0, 0.0, 0.0}) {
+  ShortSubmaps matched;
+  matched.options = options;
+  matched.slip = pose_of(1.2, 0.0, 0.0);
+  matched.slip_from = 12;
+  matched.gap_covariance = gap_sigma.cwiseAbs2().asDiagonal();
   SubmapGraph graph(matched.options, nullptr);
   matched.fill(graph, 20);
   graph.search_loops(12);
@@ -139,6 +146,56 @@ TEST(SubmapGraph, TheSearchReachesFartherTheLongerThePathSinceTheSubmap) {
   EXPECT_GT(loops_after_a_slip(options), 0U);
   options.loop_max_reach_m = 0.5;
   EXPECT_EQ(loops_after_a_slip(options), 0U) << "the limit counts";
+}
+
+TEST(SubmapGraph, TheSearchReachesAsFarAsMissingScansLeaveThePoseOpen) {
+  HectorOptions options;
+  options.loop_every = 1;
+  options.loop_agreement_m = 2.0;
+  options.loop_min_score = 0.8;
+  options.loop_drift_share = 0.0;
+  EXPECT_EQ(loops_after_a_slip(options, {0.1, 0.1, 0.0}), 0U) << "0.4 m and three times 0.1 m are too near";
+  EXPECT_GT(loops_after_a_slip(options, {0.4, 0.1, 0.0}), 0U);
+  EXPECT_GT(loops_after_a_slip(options, {0.0, 0.0, 0.3}), 0U) << "a wrong heading leads away";
+}
+
+/// They would fit best where they were, which is not where the others are.
+TEST(SubmapGraph, ScansOfBeforeMissingOnesDoNotHoldThoseAfterThem) {
+  ShortSubmaps matched;
+  matched.options.loop_every = 1;
+  matched.slip = pose_of(0.3, 0.0, 0.0);
+  matched.slip_from = 12;
+  matched.gap_covariance = Eigen::Vector3d(0.01, 0.01, 1e-4).asDiagonal();
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph, 13);
+  ASSERT_GT(graph.search_loops(12), 0);
+  for (const ClosedLoop& loop : graph.loops()) {
+    ASSERT_EQ(loop.key_scan, 12U);
+    const SE2 expected =
+        graph.submaps()[loop.submap]->local_from_submap().inverse() * matched.drive.ground_truth(4 * 12);
+    EXPECT_LT((loop.submap_from_body.translation() - expected.translation()).norm(), 0.05) << loop.submap;
+  }
+}
+
+TEST(SubmapGraph, MissingScansMakeTheStepOverThemUncertainInTheirOwnDirections) {
+  ShortSubmaps matched;
+  matched.slip_from = 12;
+  matched.gap_covariance = Eigen::Vector3d(0.04, 0.0001, 0.001).asDiagonal();
+  matched.gap_covariance(0, 2) = matched.gap_covariance(2, 0) = 0.002;
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph, 16);
+  Eigen::Matrix3d last_from_local = Eigen::Matrix3d::Identity();
+  last_from_local.topLeftCorner<2, 2>() = matched.local(11).rotation().matrix().transpose();
+  ASSERT_GT(std::abs(last_from_local(0, 1)), 0.3);
+  Eigen::Matrix3d covariance = last_from_local * matched.gap_covariance * last_from_local.transpose();
+  covariance.diagonal() += Eigen::Vector3d(4e-4, 4e-4, 2.5e-5);
+  Eigen::Matrix3d expected = covariance.inverse();
+  expected.diagonal() += Eigen::Vector3d(1.0 / 9.0, 1.0 / 9.0, 1.0 / 0.09);
+  const Constraint step = graph.constraints()[11];
+  ASSERT_EQ(step.to, 12);
+  const Constraint same =
+      planar_constraint(11, 12, matched.local(11).inverse() * matched.local(12), expected, step.kind);
+  EXPECT_LT((step.information - same.information).norm(), 1e-6 * expected.norm());
 }
 
 TEST(SubmapGraph, OnlySubmapsNearTheKeyScanAreSearched) {
