@@ -117,6 +117,14 @@ std::string one_line(std::string_view text, std::size_t longest) {
 
 std::string in_quotes(std::string_view text) { return fmt::format("'{}'", one_line(text, 60)); }
 
+std::string as_shell_word(std::string_view text) {
+  const bool is_plain = !text.empty() && text.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}~#`!") == std::string_view::npos;
+  if (is_plain) return std::string(text);
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
   // Names are short: of a longer text only the beginning is compared.
   wanted = wanted.substr(0, 100);

@@ -31,6 +31,8 @@ std::size_t utf8_length(std::string_view text);
 std::string one_line(std::string_view text, std::size_t longest = 200);
 /// The same in single quotes, truncated after about 60 bytes.
 std::string in_quotes(std::string_view text);
+/// The text as one word of a POSIX shell: as it is, or in single quotes where that would read it otherwise.
+std::string as_shell_word(std::string_view text);
 
 /// The name nearest to `wanted` by edit distance; empty if none is near: at most half of the letters differ.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);

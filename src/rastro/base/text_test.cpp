@@ -107,5 +107,13 @@ TEST(NearestName, PrefersTheEarlierOfEquals) {
   EXPECT_EQ(nearest_name("a", names), "ab");
 }
 
+TEST(ShellWord, IsQuotedOnlyWhereAShellWouldReadItOtherwise) {
+  EXPECT_EQ(as_shell_word("/data/room_1"), "/data/room_1");
+  EXPECT_EQ(as_shell_word("/my data/room"), "'/my data/room'");
+  EXPECT_EQ(as_shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(as_shell_word("$HOME"), "'$HOME'");
+  EXPECT_EQ(as_shell_word(""), "''");
+}
+
 }  // namespace
 }  // namespace rastro

@@ -30,8 +30,8 @@ namespace {
 
 constexpr const char* compare_footer = R"(
 INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
-of a recording for every run on it. The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor
-that they can use: a recording with depth also as one of one camera ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth
+of a recording for every run on it. --frames of a world is a number, or A:B: B frames are simulated, the runs read A to B-1.
+The bare name of a world is the world; ./NAME is a folder of that name. Methods run with every sensor that they can use: a recording with depth also as one of one camera ('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth
 images, as if the camera were level ('hector scan').
 A list of 'rastro benchmark' says itself which methods run on what: flags that say so are refused beside it.
 --methods takes NAME, odometry/NAME, and NAME:SENSOR, such as orb:stereo.

@@ -19,6 +19,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/library_output.h"
 #include "rastro/base/log.h"
+#include "rastro/base/text.h"
 #include "rastro/base/version.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/former_flags.h"
@@ -67,11 +68,7 @@ std::string as_typed(int argc, const char* const* argv) {
   std::string line;
   const std::vector<std::string> words = words_to_show(argc, argv);
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}~#`!") == std::string::npos;
-    std::string quoted;
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += (i == 0 ? "" : " ") + (plain ? word : "'" + quoted + "'");
+    line += (i == 0 ? "" : " ") + as_shell_word(words[i]);
   }
   return line;
 }

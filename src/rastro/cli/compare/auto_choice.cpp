@@ -45,11 +45,11 @@ std::vector<AutoOnInput> auto_on_inputs(const Comparison& comparison) {
     const bool was_run = std::any_of(comparison.runs.begin(), comparison.runs.end(), [&](const FinishedRun& run) {
       return run.is_plain() && run.what.input == k && run.what.column == auto_column;
     });
-    const auto error = table.median(name, auto_column, "ate_m");
+    const auto error = table.median_error(name, auto_column);
     const std::vector<std::string> columns = rivals(comparison, k, error.has_value());
     const std::string best = best_on(table, name, columns);
     if (!was_run || best.empty()) continue;
-    all.push_back({name, best, error, *table.median(name, best, "ate_m"),
+    all.push_back({name, best, error, *table.median_error(name, best),
                    table.median(name, auto_column, "completion_percent").value_or(0.0),
                    mark_on(table, name, columns).completion_percent});
   }

@@ -15,7 +15,7 @@ constexpr const char* auto_column = "auto";
 /// `slam --method auto` on one input beside the best of the SLAM methods that were run by name there.
 struct AutoOnInput {
   std::string input, best;
-  std::optional<double> error_m;  ///< ATE, median; none where no run of auto gave a path.
+  std::optional<double> error_m;  ///< ATE, median; none where half of the runs of auto gave no path.
   double best_error_m = 0.0;
   double completion_percent = 0.0, best_completion_percent = 0.0;  ///< Medians; the latter of the mark (MarkOnInput).
   /// None without an error, and where auto tracks fewer frames by more than completion_points.

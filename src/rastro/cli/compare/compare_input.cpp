@@ -66,6 +66,20 @@ std::string taken_from(std::vector<std::string>& words, const std::string& flag)
   return value;
 }
 
+/// --frames of a world is a number for 'rastro simulate'; of A:B, as recordings have it, B frames are simulated and the
+/// runs read the rest.
+void take_range_of_world(std::vector<std::string>& flags, CompareInput& input) {
+  std::vector<std::string> others = flags;
+  const std::string range = taken_from(others, "--frames");
+  if (range.find(':') == std::string::npos) return;
+  OpenOptions chosen;
+  const std::int64_t open_end = chosen.end_frame;
+  set_frames(range, chosen);
+  flags = std::move(others);
+  input.input.frames = range;
+  if (chosen.end_frame != open_end) flags.insert(flags.end(), {"--frames", std::to_string(chosen.end_frame)});
+}
+
 std::vector<double> speeds_of(const Trajectory& poses) {
   std::vector<double> speeds;
   for (std::size_t k = 1; k < poses.size(); ++k) {
@@ -104,6 +118,7 @@ CompareInput parse_compare_input(const std::string& text, const InputDefaults& d
     input.input.world = input.name = name;
     if (std::any_of(flags.begin(), flags.end(), is_seed))
       throw Error("seeds of worlds are chosen for all of them", name, "give --seeds N to compare: seeds 1 to N");
+    take_range_of_world(flags, input);
     input.input.simulate = flags;
     for (std::uint64_t seed = 1; seed <= defaults.seeds; ++seed) input.seeds.push_back(seed);
     return input;

@@ -45,7 +45,8 @@ struct InputDefaults {
 };
 
 /// One word of the command line: a recording or world, with flags behind it: "bedroom --frames 60" passes them to
-/// 'rastro simulate', "kitchen --intrinsics 585,585,320,240" to every run. The bare name of a world is the world, also
+/// 'rastro simulate', "kitchen --intrinsics 585,585,320,240" to every run. "bedroom --frames 20:60" simulates 60 frames
+/// and every run reads frames 20 to 59. The bare name of a world is the world, also
 /// where a file or folder has that name. Error for what is neither.
 CompareInput parse_compare_input(const std::string& text, const InputDefaults& defaults);
 

@@ -77,6 +77,16 @@ TEST(CompareInput, FramesCountWhateverTheyAreOfAndHoweverTheyAreGiven) {
   EXPECT_EQ(parse_compare_input("bedroom", defaults).frames(), "0:50") << "its runs get them too";
 }
 
+TEST(CompareInput, ARangeOfAWorldIsSimulatedToItsEndAndReadFromItsStart) {
+  const InputDefaults defaults{"0:50", {}, 1, ""};
+  const CompareInput input = parse_compare_input("loop --frames 20:80 --stereo", defaults);
+  EXPECT_THAT(input.input.simulate, ElementsAre("--stereo", "--frames", "80"));
+  EXPECT_EQ(input.frames(), "20:80") << "its own frames count";
+  EXPECT_THAT(parse_compare_input("bedroom --frames=5:", {}).input.simulate, IsEmpty()) << "all that there are";
+  EXPECT_THAT(parse_compare_input("bedroom --frames 60", defaults).input.simulate, ElementsAre("--frames", "60"));
+  EXPECT_THAT(error_of([] { parse_compare_input("bedroom --frames 80:20", {}); }), HasSubstr("empty range"));
+}
+
 TEST(CompareInput, NamesAreUniqueAndUnknownOnesAreRefused) {
   const auto inputs = parse_compare_inputs({"hall", "hall --frames 5"}, {});
   EXPECT_EQ(inputs[1].name, "hall (2)");

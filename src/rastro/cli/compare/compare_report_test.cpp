@@ -109,6 +109,95 @@ TEST(PairedDifferences, AreOverTheFramesThatBothTracked) {
   EXPECT_TRUE(between(differences, "good", "late").differs_in_completion());
 }
 
+/// `good` gave no path with these seeds.
+Comparison good_failing(const std::set<std::uint64_t>& seeds) {
+  Comparison comparison = three_methods();
+  for (FinishedRun& run : comparison.runs)
+    if (run.what.column == "good" && seeds.contains(run.seed)) run.result.failure = "crashed by signal 11";
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  return comparison;
+}
+
+TEST(PairedDifferences, ARunWithoutAPathIsWorseThanAnyOther) {
+  const auto difference = [](const std::set<std::uint64_t>& seeds) {
+    const Comparison comparison = good_failing(seeds);
+    return between(paired_differences(traces_of(comparison), {"good", "poor"}), "good", "poor");
+  };
+  const PairedDifference once = difference({1});
+  EXPECT_EQ(once.first, "good");
+  EXPECT_EQ(once.pairs, 6);
+  EXPECT_EQ(once.first_better, 5);
+  EXPECT_EQ(once.first_failed, 1);
+  EXPECT_GT(once.p_value, 0.4) << "the largest of six ranks is against it";
+  EXPECT_EQ(difference_rows({once})[1][6], "1 / 0 of 6");
+  const PairedDifference mostly = difference({1, 2, 3, 4});
+  EXPECT_EQ(mostly.first, "poor");
+  EXPECT_EQ(mostly.first_better, 4);
+  EXPECT_EQ(mostly.second_failed, 4);
+  EXPECT_EQ(mostly.median_ratio, 0.0);
+  EXPECT_EQ(difference_rows({mostly})[1][2], "-");
+  EXPECT_THAT(difference_rows({mostly})[1].back(), "may be chance") << "its completion is higher, too";
+}
+
+TEST(PairedDifferences, WhereBothFailNothingTellsThemApart) {
+  Comparison comparison = good_failing({2});
+  for (FinishedRun& run : comparison.runs)
+    if (run.what.column == "poor" && run.seed == 2) run.result.failure = "crashed by signal 11";
+  const auto all = paired_differences(traces_of(comparison), {"good", "poor"});
+  EXPECT_EQ(between(all, "good", "poor").pairs, 5);
+  EXPECT_EQ(between(all, "good", "poor").first_better, 5);
+  EXPECT_EQ(between(all, "good", "poor").second_failed, 1);
+}
+
+TEST(PairedDifferences, FailuresOfRepeatsCancelOut) {
+  const Comparison comparison = three_methods();
+  std::vector<ColumnTrace> traces = traces_of(comparison);
+  std::erase_if(traces, [](const ColumnTrace& each) { return each.seed != 1; });
+  const std::vector<ColumnTrace> once = traces;
+  for (ColumnTrace each : once) {
+    each.repeat = 2;
+    each.has_path = each.column != "poor";
+    traces.push_back(each);
+  }
+  for (ColumnTrace& each : traces)
+    if (each.repeat == 1 && each.column == "good") each.has_path = false;
+  const auto all = paired_differences(traces, {"good", "poor"});
+  EXPECT_EQ(between(all, "good", "poor").median_ratio, 1.0);
+  EXPECT_EQ(between(all, "good", "poor").p_value, 1.0);
+}
+
+TEST(UseCases, NameTheRunsWithoutAPath) {
+  const Comparison some = good_failing({1, 2});
+  const std::string advice = report_of(some).advice[0].text;
+  EXPECT_THAT(advice, HasSubstr("good: of the 3 methods"));
+  EXPECT_THAT(advice, HasSubstr("it gave no path in 2 of 6 runs"));
+  EXPECT_THAT(advice, HasSubstr("errors and times are of the runs that gave a path"));
+  EXPECT_THAT(summary_rows(some)[1], testing::Contains("0.0145 (2 of 6 failed)"));
+  EXPECT_THAT(report_as_markdown(report_of(some)), HasSubstr("Runs that failed count in 'complete'"));
+  const std::string mostly = report_of(good_failing({1, 2, 3, 4})).advice[0].text;
+  EXPECT_THAT(mostly, HasSubstr("poor: of the 2 methods"));
+  EXPECT_THAT(mostly, HasSubstr("gave no path in half of their runs or more: good (4 of 6)"));
+}
+
+TEST(ResultTable, TheMedianErrorCountsRunsWithoutOne) {
+  const auto median_with = [](const std::set<std::uint64_t>& failed) {
+    return good_failing(failed).table.median_error("room_1", "good");
+  };
+  EXPECT_NEAR(median_with({1, 2}).value(), 0.0155, 1e-9) << "0.013 to 0.016 and two that are worse";
+  EXPECT_FALSE(median_with({1, 2, 3}));
+}
+
+TEST(Reports, SayWhenTimesAreOfSeveralRunsAtOnce) {
+  Comparison comparison = three_methods();
+  EXPECT_THAT(report_as_markdown(report_of(comparison)), Not(HasSubstr("at once")));
+  for (FinishedRun& run : comparison.runs) run.result.jobs = 2;
+  const Report report = report_of(comparison);
+  EXPECT_THAT(report.advice[0].text, HasSubstr("20.0 ms a frame on this machine with 2 runs at once"));
+  for (const std::string& text : {report_as_markdown(report), report_as_latex(report), comparison_as_text(comparison),
+                                  report_as_html(report, scratch_path("report"))})
+    EXPECT_THAT(text, HasSubstr("Times are of 2 runs at once"));
+}
+
 TEST(UseCases, RecommendTheSmallestErrorOfThoseThatComplete) {
   const Comparison comparison = three_methods();
   const Report report = report_of(comparison);
@@ -228,6 +317,7 @@ TEST(Reports, HtmlHoldsEverythingItself) {
   const std::string html = report_as_html(report_of(comparison), scratch_path("report"));
   EXPECT_THAT(html, HasSubstr("<svg"));
   EXPECT_THAT(html, HasSubstr("no ranking: completion differs"));
+  EXPECT_THAT(html, HasSubstr("exact up to 60 pairs"));
   EXPECT_THAT(html, HasSubstr("rastro slam &lt;a&amp;b&gt; --method good"));
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));

@@ -12,6 +12,8 @@
 namespace rastro::cli {
 namespace {
 
+using testing::HasSubstr;
+
 /// Three images.
 std::string gray_images(const std::string& name) {
   constexpr int width = 320, height = 240;
@@ -56,6 +58,39 @@ TEST(CompareSession, ForceRunsWhatIsDisturbedAgainToo) {
     EXPECT_EQ(plain, force ? 2 : 1);
     EXPECT_EQ(disturbed, force ? 2 : 1);
   }
+}
+
+TEST(CompareSession, CommandsCanBeTypedWherePathsHaveSpaces) {
+  CompareTask task;
+  task.inputs = parse_compare_inputs({gray_images("my session") + " --intrinsics 300,300,160,120"}, {});
+  task.methods = methods_named({"odometry/profiles"});
+  task.quiet = true;
+  BenchmarkSetup setup;
+  setup.out = scratch_folder("my comparison");
+  int plain = 0, disturbed = 0;
+  BenchmarkTools tools = tools_that_count(plain, disturbed);
+  tools.score = [](const auto&, const auto&, const auto&) {
+    RunScores scores;
+    scores.frames = scores.tracked = 3;
+    scores.ate_m = 0.01, scores.alignment = "se3";
+    scores.figures = {{"surface_median_m", 0.01}, {"length_max_m", 0.01}};
+    return scores;
+  };
+  CompareSession session(task, setup, tools, "");
+  ASSERT_TRUE(session.run());
+  const Comparison comparison = session.comparison();
+  ASSERT_EQ(comparison.runs.size(), 1U);
+  const std::string folder = comparison.runs[0].folder.string(), input = comparison.inputs[0].name;
+  const std::string recording = comparison.inputs[0].input.data;
+  EXPECT_THAT(comparison.runs[0].run_command, HasSubstr("'" + recording + "'"));
+  EXPECT_THAT(comparison.runs[0].run_command, HasSubstr("--out '" + folder + "'"));
+  EXPECT_THAT(comparison.runs[0].evaluate_command, HasSubstr(" '" + folder + "' --align se3"));
+  const auto command_of = [&](const char* figure) {
+    return comparison.table.samples(input, comparison.runs[0].what.column, figure).front().command;
+  };
+  EXPECT_THAT(command_of("surface_median_m"),
+              HasSubstr("rastro evaluate cloud '" + recording + "/truth.ply' '" + folder));
+  EXPECT_THAT(command_of("length_max_m"), HasSubstr("--objects '" + recording + "/objects.yaml'"));
 }
 
 }  // namespace

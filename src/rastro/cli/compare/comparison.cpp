@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "rastro/base/text.h"
 #include "rastro/cli/compare/map_figures.h"
 
 namespace rastro::cli {
@@ -17,10 +18,7 @@ namespace fs = std::filesystem;
 
 std::string as_typed(const std::vector<std::string>& words, const fs::path& out) {
   std::string line = "rastro";
-  for (const std::string& word : words) {
-    const std::string text = resolved(word, out);
-    line += text.find(' ') == std::string::npos ? " " + text : " '" + text + "'";
-  }
+  for (const std::string& word : words) line += " " + as_shell_word(resolved(word, out));
   return line;
 }
 
@@ -33,12 +31,12 @@ FinishedRun finished(const CompareRun& what, const BenchmarkRun& run, const Benc
   done.folder = setup.out / "runs" / run.id;
   done.recording = resolved(run.words[1], setup.out);
   done.ground_truth = resolved(run.judgment.ground_truth, setup.out);
-  done.run_command = as_typed(run.words, setup.out) + " --force --out " + done.folder.string();
+  done.run_command = as_typed(run.words, setup.out) + " --force --out " + as_shell_word(done.folder.string());
   if (setup.threads > 0) done.run_command += fmt::format(" --threads {}", setup.threads);
   const std::string& alignment = result.scores.alignment;
   if (!alignment.empty())
-    done.evaluate_command =
-        fmt::format("rastro evaluate trajectory {} {} --align {}", done.ground_truth, done.folder.string(), alignment);
+    done.evaluate_command = fmt::format("rastro evaluate trajectory {} {} --align {}", as_shell_word(done.ground_truth),
+                                        as_shell_word(done.folder.string()), alignment);
   return done;
 }
 
@@ -75,20 +73,19 @@ bool is_error(const std::string& figure) {
 std::string measure_command(const std::string& folder, const FinishedRun& run) {
   const std::string known =
       run.result.scores.alignment == "sim3" ? known_length_of_mono_maps(run.recording) : std::string();
-  if (known.empty()) return fmt::format("rastro measure {} --objects {}/objects.yaml", folder, run.recording);
+  const std::string objects = as_shell_word(run.recording + "/objects.yaml"), is = as_shell_word(folder);
+  if (known.empty()) return fmt::format("rastro measure {} --objects {}", is, objects);
   return fmt::format(
-      "cp -r {0} {0}_metric && rastro scale {0}_metric --reference {1} && rastro measure {0}_metric --objects "
-      "{1}/objects.yaml --known '{2}'",
-      folder, run.recording, known);
+      "cp -r {0} {1} && rastro scale {1} --reference {2} && rastro measure {1} --objects {3} --known {4}", is,
+      as_shell_word(folder + "_metric"), as_shell_word(run.recording), objects, as_shell_word(known));
 }
 
 /// What prints the figure, or of times and counts the run itself, whose result.json has them.
 std::string command_of(const std::string& figure, const FinishedRun& run) {
   const std::string folder = run.folder.string();
   if (figure.starts_with("surface"))
-    return fmt::format(
-        "rastro export {0} --to ply --out {0}/surface.ply && rastro evaluate cloud {1}/truth.ply {0}/surface.ply",
-        folder, run.recording);
+    return fmt::format("rastro export {0} --to ply --out {1} && rastro evaluate cloud {2} {1}", as_shell_word(folder),
+                       as_shell_word(folder + "/surface.ply"), as_shell_word(run.recording + "/truth.ply"));
   if (figure.starts_with("length")) return measure_command(folder, run);
   return is_error(figure) ? run.evaluate_command : run.run_command;
 }
@@ -114,6 +111,12 @@ void add_same_bytes(const CompareInput& input, const FinishedRun& again, const s
 }
 
 }  // namespace
+
+int runs_at_once(const Comparison& comparison) {
+  int most = 1;
+  for (const FinishedRun& run : comparison.runs) most = std::max(most, run.result.jobs);
+  return most;
+}
 
 std::string interruption_text(const Comparison& comparison) {
   if (comparison.runs.size() >= comparison.planned) return "";

@@ -66,6 +66,9 @@ struct Comparison {
   std::vector<FrontEndFigures> front_end;
 };
 
+/// Of --jobs: 1 where each run had the machine for itself, so that its times are those of the method.
+int runs_at_once(const Comparison& comparison);
+
 /// "interrupted: 3 of 12 runs have results"; empty where all have.
 std::string interruption_text(const Comparison& comparison);
 

@@ -130,8 +130,8 @@ std::vector<ScoredImport> score_imports(const std::vector<Import>& imports, cons
     const std::uint64_t seed = inputs[input].seeds.empty() ? 0 : inputs[input].seeds.front();
     const RunTrace trace = read_trace(import, recording, frames);
     warn_about(import, trace);
-    std::string command =
-        fmt::format("rastro evaluate trajectory {} {} --align {}", recording, import.trajectory, import.alignment);
+    std::string command = fmt::format("rastro evaluate trajectory {} {} --align {}", as_shell_word(recording),
+                                      as_shell_word(import.trajectory), import.alignment);
     if (import.of_body) command += " --estimate-of body";
     if (!frames.empty()) command += " --frames " + frames;
     all.push_back(

@@ -77,6 +77,8 @@ std::vector<PaperTable> paper_behavior_tables(const Comparison& comparison) {
         "The paper gives no numbers for speed and recovery. Of the missing or covered frames the longest that was "
         "tried: "
         "the next is tried while the method neither loses track nor doubles its error.";
+  if (const std::string load = load_text(comparison); !tables.empty() && !load.empty())
+    tables.back().note += " " + load;
   return tables;
 }
 

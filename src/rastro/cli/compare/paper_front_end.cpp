@@ -2,10 +2,10 @@
 #include "rastro/cli/compare/paper_front_end.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "rastro/base/error.h"
 #include "rastro/base/task_pool.h"
+#include "rastro/base/text.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/dataset/open.h"
 #include "rastro/track/options.h"
@@ -52,6 +52,14 @@ std::vector<std::string> track_flags_of(const CompareInput& input) {
   return flags;
 }
 
+std::string command_of(const std::string& recording, const TrackerChoice& tracker,
+                       const std::vector<std::string>& flags) {
+  std::string command = "rastro track " + as_shell_word(recording);
+  if (*tracker.words != '\0') command += fmt::format(" {}", tracker.words);
+  for (const std::string& flag : flags) command += " " + as_shell_word(flag);
+  return command + " --out DIR";
+}
+
 std::vector<std::string> row_of(const FrontEndFigures& each) {
   const auto percent = each.means.reidentified_percent();
   return {each.tracker,
@@ -75,9 +83,7 @@ std::vector<FrontEndFigures> front_end_figures(const std::vector<CompareInput>& 
       try {
         const OpenOptions open = open_options_of(recordings[input], flags);
         const auto means = tracked_means(recordings[input], open, options_of(tracker.name), pool);
-        const std::string command =
-            fmt::format("rastro track {} {} {} --out DIR", recordings[input], tracker.words, fmt::join(flags, " "));
-        figures.push_back({input, tracker.name, means, command});
+        figures.push_back({input, tracker.name, means, command_of(recordings[input], tracker, flags)});
       } catch (const Error&) {
         break;  // the runs of the methods say what is wrong with it
       }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 namespace rastro::cli {
@@ -49,25 +50,64 @@ double unwrapped(double angle_deg, double before_deg) {
   return angle_deg - 360.0 * std::round((angle_deg - before_deg) / 360.0);
 }
 
-/// One method and the ground truth over the same frames.
+/// One method and the ground truth over the same frames, both since the first pose of the ground truth.
 struct Compared {
   std::string column;
   std::size_t color = 0;
   VehicleMotion is, truth;
+  std::optional<std::size_t> at_yaw;  ///< Of these frames the one that the paper reads the yaw at.
 };
+
+/// Positions after the alignment; orientations without it, as if the estimate began in that of the ground truth.
+Trajectory begun_as_truth(const RunTrace& trace) {
+  const Trajectory &truth = trace.reference->input.poses, &aligned = trace.scores.aligned;
+  const SO3 truth_from_estimate = truth[trace.scores.pairs.front().reference].world_from_body.rotation() *
+                                  aligned.front().world_from_body.rotation().inverse();
+  Trajectory begun;
+  for (std::size_t k = 0; k < aligned.size(); ++k)
+    begun.push_back(
+        {truth[trace.scores.pairs[k].reference].stamp,
+         SE3(truth_from_estimate * aligned[k].world_from_body.rotation(), aligned[k].world_from_body.translation())});
+  return begun;
+}
+
+VehicleMotion matched_of(const VehicleMotion& whole, const std::vector<PosePair>& pairs) {
+  VehicleMotion matched;
+  for (const PosePair& pair : pairs) {
+    matched.times_s.push_back(whole.times_s[pair.reference]);
+    matched.positions_m.push_back(whole.positions_m[pair.reference]);
+    matched.angles_deg.push_back(whole.angles_deg[pair.reference]);
+  }
+  return matched;
+}
+
+/// The pair of a frame of the recording; of a trajectory without frames that of the ground truth's pose of this number.
+std::optional<std::size_t> pair_at(const RunTrace& trace, std::size_t number) {
+  constexpr TimeNs same_stamp = 1'000'000;  // files give stamps with fewer digits than frames have
+  const auto frame = std::find_if(trace.frames.begin(), trace.frames.end(), [&](const RunFrame& each) {
+    return each.frame == static_cast<std::int64_t>(number);
+  });
+  if (!trace.frames.empty() && frame == trace.frames.end()) return std::nullopt;
+  for (std::size_t k = 0; k < trace.scores.pairs.size(); ++k) {
+    const PosePair& pair = trace.scores.pairs[k];
+    if (trace.frames.empty() ? pair.reference == number
+                             : std::abs(trace.estimate.poses[pair.estimate].stamp - frame->stamp) < same_stamp)
+      return k;
+  }
+  return std::nullopt;
+}
 
 Compared compared_of(const ColumnTrace& each, std::size_t color) {
   const RunTrace& trace = each.trace;
-  Trajectory reference;
-  for (const PosePair& pair : trace.scores.pairs) reference.push_back(trace.reference->input.poses[pair.reference]);
+  const Trajectory& reference = trace.reference->input.poses;
   const bool of_camera = !trace.reference->of_body;
-  Compared compared{each.column, color, vehicle_motion(trace.scores.aligned, of_camera),
-                    vehicle_motion(reference, of_camera)};
-  // Aligned, the estimate need not begin where the truth does; its errors are those after the alignment.
-  const SE3 first_from_world = reference.front().world_from_body.inverse();
-  const Eigen::Matrix3d axes = of_camera ? vehicle_from_camera_axes() : Eigen::Matrix3d::Identity();
-  for (std::size_t k = 0; k < trace.scores.aligned.size(); ++k)
-    compared.is.positions_m[k] = axes * (first_from_world * trace.scores.aligned[k].world_from_body.translation());
+  Compared compared{each.column, color, vehicle_motion(begun_as_truth(trace), of_camera, reference.front()),
+                    matched_of(vehicle_motion(reference, of_camera, reference.front()), trace.scores.pairs),
+                    pair_at(trace, frame_of_yaw)};
+  // A method that begins after a whole turn begins with that, as the ground truth does.
+  const double begin_deg = compared.is.angles_deg.front().z();
+  const double turns_deg = unwrapped(begin_deg, compared.truth.angles_deg.front().z()) - begin_deg;
+  for (Eigen::Vector3d& angles : compared.is.angles_deg) angles.z() += turns_deg;
   return compared;
 }
 
@@ -109,19 +149,22 @@ std::vector<std::string> row_of(const Compared& method, const Published& paper) 
     row.emplace_back(paper.errors_m[static_cast<std::size_t>(axis)]);
   }
   const std::vector<double> yaw = angle_errors(method, 2);
-  row.push_back(yaw.size() > frame_of_yaw ? fmt::format("{:.2f}", std::abs(yaw[frame_of_yaw])) : "-");
+  row.push_back(method.at_yaw ? fmt::format("{:.2f}", std::abs(yaw[*method.at_yaw])) : "-");
   row.emplace_back(paper.yaw_deg);
   row.push_back(fmt::format("{:.2f}", largest(yaw)));
   return row;
 }
 
-/// `value` of every method over time; `of_truth` also for the ground truth of the first of them.
+/// `value` of every method over time; `with_truth` also for the ground truth over the frames of the longest of them.
 template <typename Value>
 Chart chart_of(const std::string& title, const std::string& unit, const std::vector<Compared>& methods, bool with_truth,
                const Value& value) {
   Chart chart{title, "seconds", unit, {}, false, false};
   if (with_truth) {
-    const VehicleMotion& truth = methods.front().truth;
+    const auto longest = std::max_element(methods.begin(), methods.end(), [](const Compared& a, const Compared& b) {
+      return a.truth.times_s.size() < b.truth.times_s.size();
+    });
+    const VehicleMotion& truth = longest->truth;
     chart.lines.push_back({"ground truth", truth.times_s, value(truth), 0, true, false});
   }
   for (const Compared& method : methods) {
@@ -174,14 +217,13 @@ PaperTable table_on(const Comparison& comparison, const std::vector<ColumnTrace>
 
 }  // namespace
 
-VehicleMotion vehicle_motion(const Trajectory& poses, bool of_camera) {
+VehicleMotion vehicle_motion(const Trajectory& poses, bool of_camera, const StampedPose& start) {
   VehicleMotion motion;
-  if (poses.empty()) return motion;
   const Eigen::Matrix3d axes = of_camera ? vehicle_from_camera_axes() : Eigen::Matrix3d::Identity();
-  const SE3 first_from_world = poses.front().world_from_body.inverse();
+  const SE3 first_from_world = start.world_from_body.inverse();
   for (const StampedPose& pose : poses) {
     const SE3 first_from_now = first_from_world * pose.world_from_body;
-    motion.times_s.push_back(to_seconds(pose.stamp - poses.front().stamp));
+    motion.times_s.push_back(to_seconds(pose.stamp - start.stamp));
     motion.positions_m.emplace_back(axes * first_from_now.translation());
     Eigen::Vector3d angles = angles_of(axes * first_from_now.rotation().matrix() * axes.transpose());
     if (!motion.angles_deg.empty()) angles.z() = unwrapped(angles.z(), motion.angles_deg.back().z());
@@ -202,7 +244,8 @@ std::vector<PaperTable> paper_positioning_tables(const Comparison& comparison, c
         "The paper's are read off its text, on 2011_09_26_drive_0014 of KITTI raw ('rastro compare --paper FOLDER' "
         "compares "
         "on it). Positions are aligned by a similarity, since the scale of one camera is not known; angles count from "
-        "the first frame, without an alignment.";
+        "the first pose of the ground truth, without an alignment: a method that begins later begins in its "
+        "orientation.";
   return tables;
 }
 

@@ -30,7 +30,8 @@ StampedPose camera_pose(int second, double forward, double left_deg) {
 }
 
 TEST(VehicleMotion, IsForwardLeftAndUpFromTheFirstPose) {
-  const VehicleMotion motion = vehicle_motion({camera_pose(3, 2.0, 0.0), camera_pose(4, 4.5, 30.0)}, true);
+  const StampedPose start = camera_pose(3, 2.0, 0.0);
+  const VehicleMotion motion = vehicle_motion({start, camera_pose(4, 4.5, 30.0)}, true, start);
   EXPECT_THAT(motion.times_s, ElementsAre(0.0, 1.0));
   EXPECT_TRUE(motion.positions_m[1].isApprox(Eigen::Vector3d(2.5, 0.0, 0.0), 1e-9))
       << motion.positions_m[1].transpose();
@@ -40,16 +41,17 @@ TEST(VehicleMotion, IsForwardLeftAndUpFromTheFirstPose) {
 TEST(VehicleMotion, CountsTurnsOn) {
   Trajectory poses;
   for (int k = 0; k <= 5; ++k) poses.push_back(camera_pose(k, 0.0, -80.0 * k));
-  EXPECT_NEAR(vehicle_motion(poses, true).angles_deg.back().z(), -400.0, 1e-6);
+  EXPECT_NEAR(vehicle_motion(poses, true, poses.front()).angles_deg.back().z(), -400.0, 1e-6);
 }
 
-/// 60 frames of a drive; the estimate is right but for its position, up to 3 m to the left.
-ColumnTrace drifting(const std::string& column) {
+/// 60 frames of a drive; the estimate begins with frame `first`, is up to 3 m to the left and turns.
+ColumnTrace drifting(const std::string& column, int first = 0) {
   ColumnTrace each;
   each.column = column;
   auto reference = std::make_shared<ReferenceTrajectory>();
   for (int k = 0; k < 60; ++k) {
     reference->input.poses.push_back(camera_pose(k, k, 0.0));
+    if (k < first) continue;
     StampedPose is = camera_pose(k, k, 0.1 * k);
     is.world_from_body = SE3(is.world_from_body.rotation(), Eigen::Vector3d(5.0 - 3.0 * k / 59.0, k, 1.0));
     each.trace.scores.aligned.push_back(is);
@@ -72,6 +74,24 @@ TEST(PaperTables, HaveTheFiguresOfADriveBesideThePapers) {
   ASSERT_EQ(tables[0].charts.size(), 14U);
   EXPECT_THAT(tables[0].charts[1].title, HasSubstr("accumulated yaw"));
   EXPECT_NEAR(tables[0].charts[1].lines.back().y.back(), 5.9, 1e-6);
+}
+
+TEST(PaperTables, HaveOneClockAndOneStartForMethodsThatBeginLater) {
+  Comparison comparison;
+  comparison.inputs.resize(1);
+  for (const char* column : {"classic", "profiles"}) comparison.table.add_column(column);
+  const auto tables = paper_positioning_tables(comparison, {drifting("classic", 20), drifting("profiles")});
+  ASSERT_EQ(tables.size(), 1U);
+  EXPECT_EQ(tables[0].rows[1][7], "3.00")
+      << "frame 50 of the recording, not of the method: 0.1 degrees a frame since 20";
+  EXPECT_EQ(tables[0].rows[2][7], "5.00");
+  const Chart& forward = tables[0].charts[2];
+  ASSERT_EQ(forward.lines.size(), 3U);
+  EXPECT_TRUE(forward.lines[0].is_reference);
+  EXPECT_EQ(forward.lines[0].x.size(), 60U) << "the ground truth of the longest of them";
+  EXPECT_NEAR(forward.lines[1].x.front(), 20.0, 1e-9);
+  EXPECT_NEAR(forward.lines[1].y.front(), 20.0, 1e-9) << "meters since the start, not since its first pose";
+  EXPECT_NEAR(forward.lines[2].x.front(), 0.0, 1e-9);
 }
 
 TEST(PaperTables, HaveBehaviorInARoom) {

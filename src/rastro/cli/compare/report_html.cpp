@@ -65,10 +65,13 @@ std::string differences_of(const Report& report) {
   return "<h2>Differences</h2>\n<p>ATE over the frames that both track, each aligned over just these, paired by input, "
          "seed and "
          "repeat. Ratio: the median over the pairs; repeats of one input count as their median. p: Wilcoxon's "
-         "signed-rank test of the "
-         "logarithms, two-sided, exact; Holm's correction over this table. With five pairs p cannot be below 0.063. "
-         "Where the shares "
-         "of tracked frames differ by more than 5 points the errors alone do not rank the two.</p>\n" +
+         "signed-rank test of the logarithms, two-sided: exact up to 60 pairs with a difference (all signs of their "
+         "ranks "
+         "are counted, equal sizes share a rank), beyond that the normal approximation; Holm's correction over this "
+         "table. With five pairs p cannot be below 0.063. No path: runs of the one and the other that failed or "
+         "tracked nothing; such a run is worse than any with a path, and where neither has one the pair tells "
+         "nothing. Where the one with the smaller error tracks fewer frames, by more than 5 points, the errors alone "
+         "do not rank the two.</p>\n" +
          html_table(difference_rows(report.differences));
 }
 
@@ -97,7 +100,7 @@ std::string input_section(const Report& report, std::size_t input, const std::fi
   const std::string& name = comparison.inputs[input].name;
   std::string html = fmt::format("<h2>{}</h2>\n", escaped(name));
   html += html_table(rows_on(comparison, input, true));
-  html += "<p>Median over seeds and repeats, the worst in parentheses where it differs.</p>\n";
+  html += fmt::format("<p>{}</p>\n", escaped(values_text(comparison)));
   html += charts_of(report, input) + maps_of(report, input, folder);
   const TextRows lengths = length_rows(comparison, name), stages = stage_rows(comparison, name);
   if (lengths.size() > 1) html += "<h3>Errors of the named lengths, mm</h3>\n" + html_table(lengths);

@@ -167,7 +167,8 @@ std::string maps_of(const Report& report, std::size_t input, const fs::path& fol
     const fs::path page = map_page_of(*run, folder);
     if (std::error_code ignored; fs::exists(page, ignored)) caption += link_to(page, folder, "map in 3D") + ", ";
     caption += link_to(run->folder, folder, "run folder");
-    html += figure_with(image, caption + fmt::format(", <code>rastro view {}</code>", escaped(run->folder.string())));
+    html += figure_with(
+        image, caption + fmt::format(", <code>rastro view {}</code>", escaped(as_shell_word(run->folder.string()))));
   }
   return html.empty() ? "" : "<div class=\"pictures\">" + html + "</div>\n";
 }

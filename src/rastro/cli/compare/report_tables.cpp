@@ -26,9 +26,18 @@ std::string best_column(const Comparison& comparison, std::size_t index, const s
 
 std::string p_text(double p) { return p < 0.001 ? "< 0.001" : fmt::format("{:.3f}", p); }
 
+/// "-" where the second gave no path in half of the pairs.
+std::string ratio_text(const PairedDifference& difference) {
+  return difference.median_ratio > 0.0 ? fmt::format("{:.2f}", difference.median_ratio) : "-";
+}
+
+std::string failures_of(const PairedDifference& difference) {
+  return fmt::format("{} / {} of {}", difference.first_failed, difference.second_failed, difference.runs);
+}
+
 std::string remark_on(const PairedDifference& difference) {
   if (difference.differs_in_alignment) return "no ranking: aligned differently";
-  if (difference.differs_in_completion()) return "no ranking: completion differs";
+  if (difference.is_ambiguous()) return "no ranking: completion differs";
   return difference.is_significant() ? "significant" : "may be chance";
 }
 
@@ -153,7 +162,10 @@ TextRows summary_rows(const Comparison& comparison) {
       const auto cell = [&](const char* figure) {
         return figure_text(compare_figure(figure), table.median(input, column, figure));
       };
-      rows.push_back({input, kind, column, alignment_text(comparison, k, column), cell("ate_m"),
+      const int failed = table.runs_without_error(input, column);
+      const std::string without =
+          failed > 0 ? fmt::format(" ({} of {} failed)", failed, table.runs(input, column)) : "";
+      rows.push_back({input, kind, column, alignment_text(comparison, k, column), cell("ate_m") + without,
                       cell("completion_percent"), cell("frame_ms")});
     }
   }
@@ -161,11 +173,11 @@ TextRows summary_rows(const Comparison& comparison) {
 }
 
 TextRows difference_rows(const std::vector<PairedDifference>& differences) {
-  TextRows rows = {{"smaller error", "than", "ratio", "better in", "p", "p (Holm)", "tracked [%]", "verdict"}};
+  TextRows rows = {
+      {"smaller error", "than", "ratio", "better in", "p", "p (Holm)", "no path", "tracked [%]", "verdict"}};
   for (const PairedDifference& each : differences)
-    rows.push_back({each.first, each.second, fmt::format("{:.2f}", each.median_ratio),
-                    fmt::format("{} of {}", each.first_better, each.pairs), p_text(each.p_value),
-                    p_text(each.adjusted_p),
+    rows.push_back({each.first, each.second, ratio_text(each), fmt::format("{} of {}", each.first_better, each.pairs),
+                    p_text(each.p_value), p_text(each.adjusted_p), failures_of(each),
                     fmt::format("{:.0f} / {:.0f}", each.first_completion, each.second_completion), remark_on(each)});
   return rows;
 }
@@ -213,7 +225,7 @@ std::string report_as_markdown(const Report& report) {
     if (lengths.size() > 1) text += "Errors of the named lengths, mm:\n\n" + markdown_table(lengths);
     if (stages.size() > 1) text += "Time by stage, ms per frame:\n\n" + markdown_table(stages);
   }
-  text += "Each value is the median over seeds and repeats, the worst in parentheses.\n\n";
+  text += values_text(comparison) + "\n\n";
   if (!report.differences.empty())
     text += "## Differences over the frames that both track\n\n" + markdown_table(difference_rows(report.differences));
   if (!comparison.strengths.empty()) text += "## Disturbances\n\n" + markdown_table(strength_rows(comparison));
@@ -226,6 +238,7 @@ std::string report_as_markdown(const Report& report) {
 std::string report_as_latex(const Report& report) {
   const Comparison& comparison = report.comparison;
   std::string text = "% Needs \\usepackage{booktabs}. " + comparison.command + "\n";
+  if (const std::string load = load_text(comparison); !load.empty()) text += "% " + load + "\n";
   for (const PaperTable& table : report.paper) text += latex_table(table.title, table.rows);
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k)
     text += latex_table(comparison.inputs[k].name + ": median over seeds and repeats, worst in parentheses",

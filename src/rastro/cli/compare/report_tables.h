@@ -29,7 +29,7 @@ Report report_of(const Comparison& comparison);
 /// the mark (see MarkOnInput), of those that are ranked_together(). Head: input, sensor, method, aligned, ATE, tracked,
 /// ms per frame.
 TextRows summary_rows(const Comparison& comparison);
-/// Head: first, second, pairs, ratio, p, tracked %, remark.
+/// Head: first, second, ratio, pairs, p, runs without a path, tracked %, remark.
 TextRows difference_rows(const std::vector<PairedDifference>& differences);
 /// Head: input, method, disturbance, holds, fails at, how.
 TextRows strength_rows(const Comparison& comparison);

@@ -90,6 +90,22 @@ TextRows rows_on(const Comparison& comparison, std::size_t input, bool all_figur
   return rows;
 }
 
+std::string load_text(const Comparison& comparison) {
+  const int runs = runs_at_once(comparison);
+  if (runs == 1) return "";
+  return fmt::format(
+      "Times are of {} runs at once on this machine: alone a run has more of it. '--jobs 1' measures that.", runs);
+}
+
+std::string values_text(const Comparison& comparison) {
+  std::string text = "Each value is the median over seeds and repeats, the worst in parentheses where it differs.";
+  if (std::any_of(comparison.runs.begin(), comparison.runs.end(),
+                  [](const FinishedRun& run) { return run.is_plain() && run.failed(); }))
+    text += " Runs that failed count in 'complete', as 0 %, and in no other figure.";
+  const std::string load = load_text(comparison);
+  return load.empty() ? text : text + " " + load;
+}
+
 std::string aligned_text(const TextRows& rows) {
   std::vector<std::size_t> widths(rows.empty() ? 0 : rows.front().size(), 0);
   for (const auto& row : rows)
@@ -112,8 +128,7 @@ std::string comparison_as_text(const Comparison& comparison) {
   }
   if (const std::string part = interruption_text(comparison); !part.empty())
     text += fmt::format("\n{}: medians and advice are of these alone.\n", part);
-  text += "\nEach value is the median over seeds and repeats, the worst in parentheses where it differs.\n";
-  return text + failures_text(comparison);
+  return text + "\n" + values_text(comparison) + "\n" + failures_text(comparison);
 }
 
 }  // namespace rastro::cli

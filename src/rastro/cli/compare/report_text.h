@@ -21,6 +21,11 @@ std::vector<const FigureKind*> figures_on(const ResultTable& table, const std::s
 /// there are several values and these differ; `all_figures`: also those that are not in short tables.
 TextRows rows_on(const Comparison& comparison, std::size_t input, bool all_figures);
 
+/// Of which runs the values of the tables are: medians, failures, and times where other runs went on beside them.
+std::string values_text(const Comparison& comparison);
+/// The last of these; empty where each run had the machine for itself.
+std::string load_text(const Comparison& comparison);
+
 /// Columns side by side, the first to the left.
 std::string aligned_text(const TextRows& rows);
 

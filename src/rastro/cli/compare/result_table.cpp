@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rastro/base/error.h"
 #include "rastro/math/median.h"
 
 namespace rastro::cli {
 namespace {
+
+constexpr const char* error_figure = "ate_m";
+constexpr const char* completion_figure = "completion_percent";
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -48,6 +52,25 @@ std::optional<double> ResultTable::median(const std::string& input, const std::s
   return rastro::median(std::move(all));
 }
 
+int ResultTable::runs(const std::string& input, const std::string& column) const {
+  return static_cast<int>(
+      std::max(samples(input, column, completion_figure).size(), samples(input, column, error_figure).size()));
+}
+
+int ResultTable::runs_without_error(const std::string& input, const std::string& column) const {
+  const auto has_error = [&](const std::string& each) { return !samples(input, each, error_figure).empty(); };
+  if (std::none_of(columns_.begin(), columns_.end(), has_error)) return 0;
+  return runs(input, column) - static_cast<int>(samples(input, column, error_figure).size());
+}
+
+std::optional<double> ResultTable::median_error(const std::string& input, const std::string& column) const {
+  std::vector<double> all = values(input, column, error_figure);
+  if (all.empty()) return std::nullopt;
+  all.resize(static_cast<std::size_t>(runs(input, column)), std::numeric_limits<double>::infinity());
+  const double middle = rastro::median(std::move(all));
+  return std::isfinite(middle) ? std::optional(middle) : std::nullopt;
+}
+
 std::optional<double> ResultTable::worst(const std::string& input, const std::string& column,
                                          const FigureKind& figure) const {
   const std::vector<double> all = values(input, column, figure.name);
@@ -72,15 +95,15 @@ MarkOnInput mark_on(const ResultTable& table, const std::string& input, const st
   MarkOnInput mark;
   for (const double least : {half_percent, 0.0}) {
     for (const std::string& column : columns) {
-      const auto error = table.median(input, column, "ate_m");
-      if (error && table.median(input, column, "completion_percent").value_or(0.0) >= least)
-        mark.error_m = std::min(mark.error_m.value_or(*error), *error);
+      const auto error_m = table.median_error(input, column);
+      if (error_m && table.median(input, column, "completion_percent").value_or(0.0) >= least)
+        mark.error_m = std::min(mark.error_m.value_or(*error_m), *error_m);
     }
     if (mark.error_m) break;
   }
   for (const std::string& column : columns) {
-    const auto error = table.median(input, column, "ate_m");
-    if (error && *error <= most_error_factor * *mark.error_m)
+    const auto error_m = table.median_error(input, column);
+    if (error_m && *error_m <= most_error_factor * *mark.error_m)
       mark.completion_percent =
           std::max(mark.completion_percent, table.median(input, column, "completion_percent").value_or(0.0));
   }
@@ -90,11 +113,11 @@ MarkOnInput mark_on(const ResultTable& table, const std::string& input, const st
 std::string best_on(const ResultTable& table, const std::string& input, std::vector<std::string> columns) {
   const MarkOnInput mark = mark_on(table, input, columns);
   std::erase_if(columns, [&](const std::string& column) {
-    return !table.median(input, column, "ate_m") || table.median(input, column, "completion_percent").value_or(0.0) <
-                                                        mark.completion_percent - completion_points;
+    return !table.median_error(input, column) || table.median(input, column, "completion_percent").value_or(0.0) <
+                                                     mark.completion_percent - completion_points;
   });
   const auto best = std::min_element(columns.begin(), columns.end(), [&](const auto& a, const auto& b) {
-    return table.median(input, a, "ate_m") < table.median(input, b, "ate_m");
+    return table.median_error(input, a) < table.median_error(input, b);
   });
   return best == columns.end() ? "" : *best;
 }

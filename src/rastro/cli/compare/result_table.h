@@ -46,6 +46,12 @@ class ResultTable {
                                      const std::string& figure) const;
   std::vector<double> values(const std::string& input, const std::string& column, const std::string& figure) const;
   std::optional<double> median(const std::string& input, const std::string& column, const std::string& figure) const;
+  /// Of ate_m, where a run without one counts as worse than any with one; none where these are half of the runs. A run
+  /// is what has completion_percent.
+  std::optional<double> median_error(const std::string& input, const std::string& column) const;
+  /// Runs of the column on the input, and those of them without ate_m, where any column has one.
+  int runs(const std::string& input, const std::string& column) const;
+  int runs_without_error(const std::string& input, const std::string& column) const;
   /// The largest by its size, or of a figure of which more is better the smallest.
   std::optional<double> worst(const std::string& input, const std::string& column, const FigureKind& figure) const;
   /// Columns with any sample on the input, in their order.

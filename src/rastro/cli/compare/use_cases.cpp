@@ -52,7 +52,8 @@ struct Candidate {
   double missing = 0.0;     ///< Mean of how far that is below the mark of the input, points.
   double log_error = 0.0;   ///< Mean logarithm of the error by the mark of the input, where it has one.
   std::vector<std::size_t> inputs = {};
-  int failed = 0;  ///< Of these, inputs on which it gave no path.
+  int failed = 0;                 ///< Of these, inputs on which half of its runs or more gave no path.
+  int runs = 0, failed_runs = 0;  ///< On these inputs; the latter gave no path.
 
   bool is_out() const { return missing > completion_points || log_error > std::log(most_error_factor); }
 };
@@ -78,17 +79,18 @@ Candidate candidate_of(const Comparison& comparison, const std::vector<std::size
     const MarkOnInput mark = mark_on(table, name, rivals);
     const auto completed = table.median(name, column, "completion_percent");
     if (!mark.error_m || !completed) continue;
-    const auto error = table.median(name, column, "ate_m");
+    const auto error = table.median_error(name, column);
     const double completion = error ? *completed : 0.0;
     candidate.inputs.push_back(input);
     candidate.completion += completion;
     candidate.missing += mark.completion_percent - completion;
     candidate.failed += error ? 0 : 1;
+    candidate.runs += table.runs(name, column), candidate.failed_runs += table.runs_without_error(name, column);
     if (error)
       candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*mark.error_m, smallest_error_m));
   }
   const auto count = static_cast<double>(candidate.inputs.size()), judged = count - candidate.failed;
-  if (judged < 1.0) return {.column = column};
+  if (judged < 1.0) return {.column = column, .runs = candidate.runs, .failed_runs = candidate.failed_runs};
   candidate.completion /= count, candidate.missing /= count, candidate.log_error /= judged;
   return candidate;
 }
@@ -117,9 +119,10 @@ std::string range_text(const Comparison& comparison, const Candidate& candidate,
 std::string expectation_text(const Comparison& comparison, const Candidate& best) {
   std::string text = fmt::format(
       "Expect {:.0f} % of the frames tracked, an ATE of {} m, a drift of {} % of the path, {} ms a frame on this "
-      "machine",
+      "machine{}",
       best.completion, range_text(comparison, best, "ate_m"), range_text(comparison, best, "drift_percent"),
-      range_text(comparison, best, "frame_ms"));
+      range_text(comparison, best, "frame_ms"),
+      runs_at_once(comparison) > 1 ? fmt::format(" with {} runs at once", runs_at_once(comparison)) : "");
   if (const std::string inside = range_text(comparison, best, "inside_position_percent"); inside != "-")
     text += fmt::format(", and {} % of the positions inside their 95 % ellipse", inside);
   if (const std::string length = range_text(comparison, best, "length_max_m"); length != "-")
@@ -132,20 +135,36 @@ std::string expectation_text(const Comparison& comparison, const Candidate& best
       too_slow.push_back(fmt::format("{} ({:.0f} frames a second)", of.name, of.facts.rate_hz));
   }
   if (!too_slow.empty()) text += fmt::format("; it does not keep up with {}", fmt::join(too_slow, ", "));
+  if (best.failed_runs > 0) text += "; errors and times are of the runs that gave a path";
   return text + ".";
 }
 
 std::string difference_text(const PairedDifference& difference) {
-  return fmt::format(
-      "Over the frames that both track, the error of {} is {:.2f} times that of {} ({} of {} pairs; p = {:.2g}: {})",
-      difference.first, difference.median_ratio, difference.second, difference.first_better, difference.pairs,
-      difference.adjusted_p, difference.is_significant() ? "a difference" : "may be chance");
+  const std::string is = difference.median_ratio > 0.0
+                             ? fmt::format("the error of {} is {:.2f} times that of {}", difference.first,
+                                           difference.median_ratio, difference.second)
+                             : fmt::format("{} is before {}, which gave no path in half of the pairs or more",
+                                           difference.first, difference.second);
+  const std::string failed = difference.any_failed()
+                                 ? fmt::format("; no path in {} and {} of {} runs, which counts as worse",
+                                               difference.first_failed, difference.second_failed, difference.runs)
+                                 : "";
+  return fmt::format("Over the frames that both track, {} ({} of {} pairs; p = {:.2g}: {}{})", is,
+                     difference.first_better, difference.pairs, difference.adjusted_p,
+                     difference.is_significant() ? "a difference" : "may be chance", failed);
+}
+
+/// "; it gave no path in 2 of 6 runs"; empty where all gave one.
+std::string failures_of(const Candidate& candidate) {
+  if (candidate.failed_runs == 0) return "";
+  return fmt::format("; it gave no path in {} of {} runs", candidate.failed_runs, candidate.runs);
 }
 
 std::string next_text(const std::vector<Candidate>& candidates, const std::vector<PairedDifference>& differences) {
   if (candidates.size() < 2) return "";
   const std::string &best = candidates[0].column, &next = candidates[1].column;
-  std::string text = fmt::format(" Next is {}, with {:.0f} % tracked.", next, candidates[1].completion);
+  std::string text =
+      fmt::format(" Next is {}, with {:.0f} % tracked{}.", next, candidates[1].completion, failures_of(candidates[1]));
   for (const PairedDifference& difference : differences)
     if (!difference.differs_in_alignment && ((difference.first == best && difference.second == next) ||
                                              (difference.first == next && difference.second == best)))
@@ -154,8 +173,7 @@ std::string next_text(const std::vector<Candidate>& candidates, const std::vecto
 }
 
 std::string why_text(const Candidate& best, std::size_t candidates, const std::string& inputs) {
-  const std::string failed =
-      best.failed > 0 ? fmt::format("; it gave no path on {} of {} inputs", best.failed, best.inputs.size()) : "";
+  const std::string failed = failures_of(best);
   if (candidates == 1)
     return fmt::format("{}: the only method for it that was named and gave a path, on {}{}. ", best.column, inputs,
                        failed);
@@ -184,6 +202,16 @@ std::string shortness_text(const Comparison& comparison, const Candidate& best) 
   return fmt::format(" With {} frames in all this is a first look: more of the recording tells more.", frames);
 }
 
+/// Who is not ranked since there is nothing to rank it by.
+std::string without_path_text(const std::vector<Candidate>& candidates) {
+  std::vector<std::string> names;
+  for (const Candidate& each : candidates)
+    if (each.inputs.empty() && each.failed_runs > 0)
+      names.push_back(fmt::format("{} ({} of {})", each.column, each.failed_runs, each.runs));
+  if (names.empty()) return "";
+  return fmt::format(" Not ranked, as they gave no path in half of their runs or more: {}.", fmt::join(names, ", "));
+}
+
 /// How the best one is aligned where that needs a word, and who was not ranked with it for that.
 std::string scale_text(const Comparison& comparison, const std::vector<std::size_t>& inputs, const Candidate& best,
                        const std::vector<std::string>& columns) {
@@ -204,6 +232,7 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   const std::vector<std::string> columns = columns_of(comparison, use);
   std::vector<Candidate> candidates;
   for (const std::string& column : columns) candidates.push_back(candidate_of(comparison, inputs, columns, column));
+  const std::string without_path = without_path_text(candidates);
   candidates = ranked(std::move(candidates));
   if (columns.empty()) return "Inputs of this kind are here, but no method for it was run.";
   if (candidates.empty()) return "Inputs of this kind are here, but no run with an error to judge it by.";
@@ -212,7 +241,7 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   for (const std::size_t input : best.inputs) names.push_back(comparison.inputs[input].name);
   return why_text(best, candidates.size(), fmt::format("{}", fmt::join(names, ", "))) +
          expectation_text(comparison, best) + scale_text(comparison, inputs, best, columns) +
-         next_text(candidates, differences) + shortness_text(comparison, best);
+         next_text(candidates, differences) + without_path + shortness_text(comparison, best);
 }
 
 }  // namespace
