@@ -150,6 +150,7 @@ void LiveSlam::reset() {
   if (has_map && !save()) return;
   method_.reset();
   places_.forget();
+  sink_.view().forget_map();
   sink_.count_reset();
   sink_.set_mapping(true);
   sink_.say(has_map ? "a new map begins; the one before is saved" : "a new map begins");

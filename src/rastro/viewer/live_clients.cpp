@@ -71,6 +71,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
     write_next();
   }
 
+  /// Of what waits.
+  void forget(Kind kind) { drop(kind); }
   bool is_closed() const { return closed_; }
 
   void close() {
@@ -149,6 +151,11 @@ void LiveClients::accept(boost::asio::ip::tcp::socket socket, const Request& req
   if (calibration_) client->push(*calibration_);
   client->accept(request);
   clients_.push_back(std::move(client));
+}
+
+void LiveClients::forget_scene() {
+  scene_.reset();
+  for (const auto& client : clients_) client->forget(Kind::scene);
 }
 
 void LiveClients::send(const LiveMessage& message) {

@@ -55,6 +55,8 @@ class LiveClients {
   /// To all of them, at once and without waiting: a client that is too slow misses frames and images, and is told how
   /// many frames.
   void send(const LiveMessage& message);
+  /// The last scene is told to nobody any more.
+  void forget_scene();
   int count() const { return count_; }
 
  private:

@@ -212,5 +212,27 @@ TEST(LiveView, WorksForPagesThatWatchAlone) {
   EXPECT_EQ(page.next_of("scene")["revision"], 6);
 }
 
+TEST(LiveView, AMapThatIsForgottenIsToldToNobodyAnyMore) {
+  LiveView view(any_port(), some_run(), {});
+  const std::string url = view.url();
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  LivePage page(port);
+  page.next_of("hello");
+  const auto map_of = [](std::int64_t revision) {
+    auto map = std::make_shared<Map>();
+    map->revision = revision;
+    return std::shared_ptr<const Map>(map);
+  };
+  view.show(map_of(5));
+  EXPECT_EQ(page.next_of("scene")["revision"], 5);
+  view.forget_map();
+  view.say(LiveStatus{false, true, false, "a new map begins", 1});
+  EXPECT_EQ(page.next_of("status")["resets"], 1);
+  LivePage later(port);
+  EXPECT_EQ(later.next_of("status")["resets"], 1);
+  view.show(map_of(1));
+  EXPECT_EQ(later.next_of("scene")["revision"], 1) << "not 5";
+}
+
 }  // namespace
 }  // namespace rastro

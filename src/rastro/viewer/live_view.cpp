@@ -16,7 +16,7 @@ namespace rastro {
 LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene,
                    PlaceOf place_of)
     : title_(run.title), scene_options_(scene), place_of_(std::move(place_of)), server_(run, server) {
-  builder_ = std::thread([this] { serve(map_, [this](const std::shared_ptr<const Map>& map) { build(*map); }); });
+  builder_ = std::thread([this] { serve(map_, [this](const MapToBuild& of) { build(of); }); });
   try {
     packer_ = std::thread([this] { serve(image_, [this](const SeenImage& image) { pack(image); }); });
   } catch (const std::system_error&) {
@@ -55,7 +55,7 @@ bool LiveView::wants_map(double milliseconds) const {
 }
 
 void LiveView::show(SeenImage image) { put(image_, std::move(image)); }
-void LiveView::show(std::shared_ptr<const Map> map) { put(map_, std::move(map)); }
+void LiveView::show(std::shared_ptr<const Map> map) { put(map_, {std::move(map), forgotten_}); }
 
 template <typename Item>
 void LiveView::put(Slot<Item>& slot, Item item) {
@@ -100,21 +100,35 @@ void LiveView::pack(const SeenImage& image) {
   seen_.add(frame.stamp, std::move(live));
 }
 
-void LiveView::build(const Map& map) {
+void LiveView::build(const MapToBuild& of) {
+  const Map& map = *of.map;
   const auto begin = Clock::now();
   TaskPool pool(1);
   ViewScene scene = build_scene(map, scene_options_, pool, [this](std::size_t, std::size_t) {
     if (stopping_) throw Error("is not shown any more", title_, "");
   });
   scene.title = title_;
-  server_.set_scene({title_, scene_bytes(scene)}, map.revision);
+  NamedScene named{title_, scene_bytes(scene)};
+  {
+    const std::lock_guard lock(mutex_);
+    if (of.forgotten != forgotten_) return;
+    server_.set_scene(std::move(named), map.revision);
+  }
   if (place_of_)
     if (const auto place = place_of_(map, seen_)) server_.send(*place);
   const std::lock_guard lock(mutex_);
   scene_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-void LiveView::finish(std::shared_ptr<const Map> map) { put(map_, std::move(map)); }
+void LiveView::finish(std::shared_ptr<const Map> map) { show(std::move(map)); }
+
+void LiveView::forget_map() {
+  const std::lock_guard lock(mutex_);
+  map_.next.reset();
+  ++forgotten_;
+  server_.forget_scene(title_);
+}
+
 void LiveView::show(const ViewScene& scene) { server_.set_scene({title_, scene_bytes(scene)}, scene.revision); }
 
 }  // namespace rastro

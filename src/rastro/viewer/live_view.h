@@ -56,6 +56,8 @@ class LiveView {
   void show(std::shared_ptr<const Map> map);
   /// The last map, shown in any case; returns at once.
   void finish(std::shared_ptr<const Map> map);
+  /// The run began another map: the maps so far are shown no more, not even one whose scene is being built.
+  void forget_map();
   /// A scene that needs no building: that of a run without a map.
   void show(const ViewScene& scene);
   std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most) { return server_.next_command(at_most); }
@@ -77,7 +79,12 @@ class LiveView {
   void serve(Slot<Item>& slot, Work work);
   void stop();
   void pack(const SeenImage& image);
-  void build(const Map& map);
+  /// A map, and how many were forgotten before it was handed over.
+  struct MapToBuild {
+    std::shared_ptr<const Map> map;
+    int forgotten = 0;
+  };
+  void build(const MapToBuild& of);
 
   std::string title_;
   ViewSceneOptions scene_options_;
@@ -87,7 +94,8 @@ class LiveView {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Slot<SeenImage> image_;
-  Slot<std::shared_ptr<const Map>> map_;
+  Slot<MapToBuild> map_;
+  int forgotten_ = 0;
   double scene_seconds_ = 0.0;  ///< That the last one took.
   std::atomic<bool> stopping_ = false;
   std::thread packer_, builder_;  // Apart, since a scene can take seconds.

@@ -102,6 +102,13 @@ class ViewServer::Listener {
     });
   }
 
+  void forget_scene(std::string name) {
+    post([this, name = std::move(name)]() mutable {
+      rules_->set_scene({std::move(name), ""});
+      live_->forget_scene();
+    });
+  }
+
   int clients() const { return live_ ? live_->count() : 0; }
   detail::LiveInbox& inbox() { return inbox_; }
 
@@ -214,6 +221,7 @@ void ViewServer::send(const LiveCalibration& calibration) {
 void ViewServer::set_scene(NamedScene scene, std::int64_t revision) {
   listener_->set_scene(std::move(scene), revision);
 }
+void ViewServer::forget_scene(std::string name) { listener_->forget_scene(std::move(name)); }
 int ViewServer::clients() const { return listener_->clients(); }
 std::optional<LiveCommand> ViewServer::next_command(std::chrono::milliseconds at_most) {
   return listener_->inbox().take(at_most);

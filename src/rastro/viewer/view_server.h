@@ -51,6 +51,8 @@ class ViewServer {
   void send(const LiveStatus& status);
   void send(const LiveCalibration& calibration);
   void set_scene(NamedScene scene, std::int64_t revision);
+  /// The run began another map: until the next set_scene() it has none, as at first.
+  void forget_scene(std::string name);
   int clients() const;  ///< Pages that watch.
   /// What a page asked for, the oldest first; waits for it at most so long.
   std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most);
