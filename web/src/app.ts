@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import type { Loaded } from './scene/sources';
 import { emptyScene, type Frames, type Vec3 } from './scene/scene';
-import { fromHash, toHash, type State } from './state';
+import { fromHash, toHash, withinRuns, type State } from './state';
 import { boundsOf, outlineOf } from './view3d/bounds';
 import { rangesOf } from './view3d/ranges';
 import { buildRun, disposeRun, type Run } from './view3d/run';
@@ -12,8 +12,8 @@ import type { ScaleFactor } from './measure/length';
 import { initialState } from './initial_state';
 import type { LayerObject, Style } from './view3d/style';
 
-/** What listeners are told of: parts of the state, more frames of a run, another map of a run. */
-export type Change = keyof State | 'frames' | 'scene';
+/** What listeners are told of: parts of the state, more frames of a run, another map of a run, a run that began anew. */
+export type Change = keyof State | 'frames' | 'scene' | 'forgotten';
 
 export class App {
   readonly runs: Run[];
@@ -51,8 +51,7 @@ export class App {
     this.view = new View3d(canvas, this.up, bounds, outlineOf(scenes, bounds));
     for (const run of this.runs) this.view.add(run);
     this.initial = initialState(scenes, bounds.getSize(new THREE.Vector3()).length());
-    this.state = fromHash(location.hash, this.initial);
-    this.state.active = Math.min(this.state.active, Math.max(0, this.runs.length - 1));
+    this.state = this.fromAddress();
     this.applyAll();
     this.view.controls.addEventListener('end', () => this.rememberCamera());
   }
@@ -114,6 +113,13 @@ export class App {
   /** Counts, names and what can be chosen may have changed. */
   contentGrew(): void {
     for (const listener of this.listeners) listener(new Set<Change>(['scene']));
+  }
+
+  /** A run began anew: nothing that was measured in its map before holds. */
+  forgetMeasured(run: number): void {
+    this.scaleFactors.delete(run);
+    for (const listener of this.listeners) listener(new Set<Change>(['forgotten']));
+    this.refresh();
   }
 
   /** Where the content lies and which values it has, after it changed. */
@@ -206,8 +212,13 @@ export class App {
 
   /** A link was opened in the same tab. */
   readHash(): void {
-    this.set(fromHash(location.hash, this.initial));
+    this.set(this.fromAddress());
     this.begin();
+  }
+
+  /** A link may be of a page with other runs. */
+  private fromAddress(): State {
+    return withinRuns(fromHash(location.hash, this.initial), this.runs.map((r) => r.scene.frames?.count ?? 0));
   }
 
   writeHash(): void {

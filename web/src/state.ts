@@ -55,7 +55,7 @@ export function fromHash(hash: string, initial: State): State {
   const parts = new URLSearchParams(hash.replace(/^#/, ''));
   const number = (key: string, fallback: number) => {
     const value = Number(parts.get(key) ?? NaN);
-    return Number.isNaN(value) ? fallback : value;
+    return Number.isFinite(value) ? value : fallback;
   };
   const view = (parts.get('view') ?? '').split(',').map(Number);
   return {
@@ -73,6 +73,12 @@ export function fromHash(hash: string, initial: State): State {
     theme: oneOf(['auto', 'light', 'dark'], parts.get('theme'), initial.theme),
     camera: view.length === 6 && view.every(Number.isFinite) ? view : null,
   };
+}
+
+/** The same for runs with so many frames each: what lies behind their end is the last one. */
+export function withinRuns(state: State, frames: number[]): State {
+  const active = Math.min(state.active, Math.max(0, frames.length - 1));
+  return { ...state, active, frame: Math.min(state.frame, Math.max(0, (frames[active] ?? 0) - 1)) };
 }
 
 function layersOf(text: string): Record<string, boolean> {

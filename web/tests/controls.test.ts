@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { drawn, pageWith, screenshot } from './browser';
 import { clickPoint, near, pixelAt, project, sharedBrowser, urls, useBrowser, withPage } from './page_testing';
-import { imagesScene } from './scenes';
+import { imagesScene, roomScene } from './scenes';
 
 useBrowser();
 
@@ -97,7 +97,59 @@ test('a known length gives a map of arbitrary scale its meters', () => withPage(
   assert.match(second, /^1\.500 ± 0\.011 m$/);
   assert.match(await page.locator('[data-layer="reference"]').innerText(), /cell [\d.]+ m/);
   await screenshot(page, 'scaled');
+  await page.getByRole('button', { name: 'Remove' }).first().click();
+  assert.deepEqual(await page.locator('.lengths .value').allInnerTexts(), ['2.000 ± 0.011 units']);
+  assert.match(await page.locator('[data-layer="reference"]').innerText(), /cell [\d.]+ units?/);
 }));
+
+test('the largest value beside the curve has the scale of the run', () => withPage(urls.room, {}, async (page) => {
+  await drawn(page);
+  const written = await page.evaluate(() => {
+    const { app } = (window as any).rastro;
+    const texts: string[] = [];
+    const { fillText } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.fillText = function (text: string, ...place: [number, number]) {
+      texts.push(text);
+      fillText.call(this, text, ...place);
+    };
+    const largest = () => {
+      texts.length = 0;
+      app.refresh();
+      return parseFloat(texts.at(-1)!.match(/ m$/) ? texts.at(-1)! : texts.find((t) => / m$/.test(t))!);
+    };
+    const before = largest();
+    app.scaleFactors.set(0, { factor: 2, sigma: 0 });
+    return [before, largest()];
+  });
+  near([written[1]], [2 * written[0]], 0.02 * written[0]);
+}));
+
+test('the theme button leads to the other theme, also after that of the system changed', () => withPage(urls.exact, { dark: true }, async (page) => {
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  await drawn(page);
+  await page.emulateMedia({ colorScheme: 'light' });
+  await page.waitForFunction(() => document.documentElement.dataset.theme === 'light');
+  await page.getByRole('button', { name: 'Theme' }).click();
+  assert.equal(await theme(), 'dark');
+  await page.getByRole('button', { name: 'Theme' }).click();
+  assert.equal(await theme(), 'light');
+}));
+
+test('the mark of the current frame gives back what it held when another run becomes active', async () => {
+  const url = pageWith('two.html', [{ name: 'room', bytes: roomScene({ points: 100 }) }, { name: 'images', bytes: imagesScene([]) }]);
+  await withPage(url, {}, async (page) => {
+    await drawn(page);
+    const held = async (times: number) => {
+      for (let i = 0; i < times; i++) {
+        await page.evaluate(() => (window as any).rastro.app.set({ active: 1 - (window as any).rastro.app.state.active }));
+        await drawn(page);
+      }
+      return page.evaluate(() => (window as any).rastro.app.view.renderer.info.memory.geometries as number);
+    };
+    const before = await held(2);
+    assert.equal(await held(6), before);
+  });
+});
 
 test('the address restores view, layers, frame and colors', () => withPage(urls.room, {}, async (page) => {
   await drawn(page);
@@ -119,9 +171,10 @@ test('the address restores view, layers, frame and colors', () => withPage(urls.
 test('a link opened in the same tab is followed', () => withPage(urls.room, {}, async (page) => {
   await drawn(page);
   await page.evaluate(() => {
-    location.hash = '#frame=200&layers=-keyframes&view=0,-9,0.01,0,0,0';
+    location.hash = '#run=7&frame=200&layers=-keyframes&view=0,-9,0.01,0,0,0';
   });
   await page.waitForFunction(() => (window as any).rastro.app.state.frame === 200);
+  assert.equal(await page.evaluate(() => (window as any).rastro.app.state.active), 0, 'there is no run 7');
   assert.equal(await page.locator('[data-layer="keyframes"] input').isChecked(), false);
   near(await page.evaluate(() => (window as any).rastro.app.view.camera.position.toArray()), [0, -9, 0.01], 0.01);
 }));

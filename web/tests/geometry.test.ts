@@ -8,7 +8,7 @@ import { pick, type Candidates } from '../src/measure/pick';
 import { withSigma } from '../src/measure/texts';
 import { initialState } from '../src/initial_state';
 import type { Frames, Vec3 } from '../src/scene/scene';
-import { fromHash, toHash } from '../src/state';
+import { fromHash, toHash, withinRuns } from '../src/state';
 import { columnMaxima, duration, frameAt, nearestFrame, stretches, timeStep } from '../src/timeline/track';
 import { mapBytes, mapColor, robustRange, stateColor } from '../src/view3d/colors';
 import { niceStep } from '../src/view3d/reference';
@@ -166,4 +166,14 @@ test('the address holds the state and gives it back', () => {
   const state = { ...initial, layers: { 'points:cloud': false, 'trajectory:online': true }, hiddenRuns: [1], frame: 17, pointColor: 'age' as const, maxSigma: 0.05, camera: [1, 2, 3, 0, 0, 0.5], theme: 'dark' as const };
   assert.deepEqual(fromHash(`#${toHash(state, initial)}`, initial), state);
   assert.deepEqual(fromHash('#frame=x&points=none&view=1,2&layers=%00&size=-3', initial), { ...initial, pointSize: 1 });
+});
+
+test('an address with values beyond the runs gives their ends', () => {
+  const initial = initialState([], 10);
+  const state = fromHash('#run=7&frame=9999&cameras=Infinity&frame=1e400', initial);
+  assert.equal(state.cameraSize, initial.cameraSize);
+  assert.equal(fromHash('#frame=1e400', initial).frame, 0);
+  const within = withinRuns(state, [400, 20]);
+  assert.deepEqual([within.active, within.frame], [1, 19]);
+  assert.deepEqual([withinRuns(state, []).active, withinRuns(state, [0]).frame], [0, 0]);
 });

@@ -6,7 +6,7 @@ import type { Page } from 'playwright-core';
 import { drawn, screenshot } from './browser';
 import { corridorJpeg, frame, hello, image, lostFrame, manyFeatures, mapScene, place, plainJpeg, status } from './live_run';
 import { runState, shownFrame, shownImage, until, wait, withRun } from './live_testing';
-import { near, pixelAt, project, useBrowser } from './page_testing';
+import { clickPoint, near, pixelAt, project, useBrowser } from './page_testing';
 
 useBrowser();
 
@@ -265,6 +265,43 @@ test('after a reset the page shows the frames of the new map alone', () => withR
   await page.locator('.facts', { hasText: 'revision 2' }).waitFor();
   assert.equal((await state(page)).count, 3);
 }, (server) => {
+  server.scene = mapScene(1, 5);
+}));
+
+test('after a reset neither the map, nor its scale, nor what was measured in it comes back', () => withRun({}, async (page, server) => {
+  for (let i = 0; i < 20; i++) server.send(frame(i));
+  await shownFrame(page, 19);
+  await page.locator('[data-layer="points:landmarks"]').waitFor();
+  await page.evaluate(() => (window as any).rastro.app.fit());
+  await drawn(page);
+  await page.keyboard.press('m');
+  for (const row of [0, 250]) {
+    await clickPoint(page, await page.evaluate((r) => {
+      const { positions } = (window as any).rastro.app.runs[0].scene.layers.find((l: any) => l.kind === 'points');
+      return [...positions.subarray(3 * r, 3 * r + 3)] as number[];
+    }, row));
+  }
+  await page.getByLabel('Known length in meters').fill('3');
+  await page.keyboard.press('Enter');
+  assert.match(await page.locator('.lengths .value').innerText(), /3 m \(known\)/);
+  server.sceneDelayMs = 300;
+  server.send({ type: 'scene', index: 0, revision: 2 }); // the old map is on its way
+  await until(() => server.fetches >= 2, 'the fetch');
+  server.send(status({ resets: 1, line: 'a new map begins' }));
+  await runState(page, 'a new map begins');
+  await wait(500);
+  assert.equal((await state(page)).count, 0);
+  assert.equal(await page.locator('[data-layer="points:landmarks"]').count(), 0);
+  assert.match(await page.locator('.facts').innerText(), /no map yet/);
+  assert.equal(await page.evaluate(() => (window as any).rastro.app.scaleFactors.size), 0);
+  assert.equal(await page.locator('.lengths .value').count(), 0);
+  for (let i = 20; i < 23; i++) server.send(frame(i));
+  server.scene = mapScene(1, 2, 0, { frames: undefined });
+  server.send({ type: 'scene', index: 0, revision: 1 });
+  await page.locator('[data-layer="points:landmarks"]').waitFor();
+  assert.equal((await state(page)).count, 3);
+}, (server) => {
+  server.greeting = [hello(), status({ resets: 0 })];
   server.scene = mapScene(1, 5);
 }));
 

@@ -2,6 +2,7 @@
 // A recording: its frames are fetched as the timeline comes to them, depth is a cloud in the view.
 import assert from 'node:assert/strict';
 import { afterEach, test } from 'node:test';
+import type { Page } from 'playwright-core';
 import { readFrameBlock } from '../src/recording/frame_block';
 import { SceneError } from '../src/scene/scene';
 import { drawn, faultsOf, open, screenshot } from './browser';
@@ -43,6 +44,10 @@ function block(index: number, jpeg: Uint8Array): Uint8Array {
   return w.finish({ type: 'frame', index, name: `rgb/${index}.png`, width: 640, height: 480, jpeg: w.u8(jpeg), points: w.f32(points), colors: w.u8(points.flatMap((_, i) => (i % 3 ? [] : [255, 0, 0]))) });
 }
 
+/** Clouds of recorded frames in the view. */
+const cloudsShown = (page: Page) => page.evaluate(() => (window as any).rastro.app.view.marks.children
+  .filter((child: any) => child.isPoints && child.visible && child.material.type === 'PointsMaterial').map((child: any) => child.geometry.attributes.position.count));
+
 test('frames are fetched one by one as the timeline comes to them; the newest asked for is shown', async () => {
   const asked: number[] = [];
   let jpeg: Uint8Array = new Uint8Array(0);
@@ -76,7 +81,28 @@ test('frames are fetched one by one as the timeline comes to them; the newest as
   assert.ok(around.some(([r, g, b]) => r > 200 && g < 60 && b < 60), 'the cloud is where the camera was');
   await page.keyboard.press('End');
   await until(async () => (await page.locator('.frame-view').innerText()).includes('cannot be read'), 'the reason');
+  assert.ok(await page.locator('.frame-view .pictures').isHidden(), 'the image of another frame');
+  assert.deepEqual(await cloudsShown(page), [], 'the points of another frame');
   assert.deepEqual(faultsOf(page).filter((f) => !/Failed to load resource/.test(f)), []);
+});
+
+test('the points of a recording go with its run', async () => {
+  const frame = (index: number) => block(index, new Uint8Array(3));
+  const served = await serve([{ name: 'corridor', bytes: scene(10), frame }, { name: 'map', bytes: scene(10) }], 'abc');
+  const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
+  closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
+  await until(async () => (await cloudsShown(page)).length === 1, 'the points');
+  const set = (patch: object) => page.evaluate((p) => (window as any).rastro.app.set(p), patch);
+  await set({ hiddenRuns: [0] });
+  assert.deepEqual(await cloudsShown(page), []);
+  await set({ hiddenRuns: [] });
+  assert.deepEqual(await cloudsShown(page), [900]);
+  await set({ active: 1 });
+  await until(async () => (await cloudsShown(page)).length === 0, 'no points');
+  await set({ active: 0 });
+  await until(async () => (await cloudsShown(page)).length === 1, 'the points again');
+  assert.deepEqual(faultsOf(page), []);
 });
 
 test('a recording without poses is seen from its camera', async () => {

@@ -93,7 +93,11 @@ export class FeatureImage {
       this.picture?.close();
       [this.image, this.picture] = [image, picture];
       this.hovered = -1;
-      if (!image) continue;
+      if (!image) {
+        // The next one must not begin as the last one.
+        this.canvas.getContext('2d')!.clearRect(0, 0, this.canvas.width, this.canvas.height);
+        continue;
+      }
       this.canvas.style.aspectRatio = `${image.width} / ${image.height}`;
       this.canvas.style.setProperty('--ratio', `${image.width / image.height}`);
       this.draw();

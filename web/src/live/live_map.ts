@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import type { App } from '../app';
 import { parseScene } from '../scene/parse';
-import type { Scene } from '../scene/scene';
+import { emptyScene, type Scene } from '../scene/scene';
 import { boundsOf } from '../view3d/bounds';
 import { GrowingTrajectory } from '../view3d/growing_trajectory';
 import { drawable } from '../view3d/materials';
@@ -80,6 +80,15 @@ export class LiveMap {
     for (const trajectory of this.trajectories) trajectory.grow();
     this.knownEvents = -1;
     this.app.framesGrew(0);
+    this.app.forgetMeasured(this.index);
+  }
+
+  /** Shows the run as before its first map: the next one is another. */
+  remove(): void {
+    const { title, method, up, planar } = this.served;
+    this.record.clear();
+    this.show({ ...emptyScene(title), method, up, planar });
+    this.mapSeen = false;
   }
 
   private show(served: Scene): void {

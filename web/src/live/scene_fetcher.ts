@@ -7,6 +7,7 @@ const longestFetchMs = 60000;
 export class SceneFetcher {
   private wanted = false;
   private busy = false;
+  private dropped = 0;
 
   constructor(private readonly path: string, private readonly take: (bytes: Uint8Array) => void) {}
 
@@ -22,11 +23,17 @@ export class SceneFetcher {
     }
   }
 
+  /** What is on its way is of a map that is no more. */
+  drop(): void {
+    this.dropped++;
+    this.wanted = false;
+  }
+
   private async update(): Promise<void> {
     this.wanted = false;
-    const begin = performance.now();
+    const [begin, dropped] = [performance.now(), this.dropped];
     const bytes = await this.fetched();
-    if (bytes) this.take(bytes);
+    if (bytes && dropped === this.dropped) this.take(bytes);
     // At most half of the time is spent on maps, however large they become.
     await new Promise((done) => setTimeout(done, performance.now() - begin));
   }

@@ -113,7 +113,7 @@ export class LiveSession {
         return this.tell('calibration');
       case 'status':
         // The frames so far are of a map that is no longer this one.
-        if (this.status && message.resets > this.status.resets) this.forget();
+        if (this.status && message.resets > this.status.resets) this.forgetMap();
         this.status = message;
         this.connection.runEnded = message.ended;
         return this.tell('status');
@@ -135,6 +135,14 @@ export class LiveSession {
     if (!this.record.append(frame)) return;
     this.newest = frame;
     this.tell('frames');
+  }
+
+  private forgetMap(): void {
+    this.fetcher.drop();
+    this.growing = true;
+    this.map.remove();
+    this.growing = false;
+    this.forget();
   }
 
   private forget(): void {

@@ -56,6 +56,9 @@ export class Measure {
       if (this.active && still) this.click(e.offsetX, e.offsetY, e.pointerType === 'touch' ? touchRadius : clickRadius);
     });
     this.setKind('point');
+    app.onChange((changed) => {
+      if (changed.has('forgotten') && app.live) this.forget(app.live.run);
+    });
   }
 
   onChange(listener: () => void): void {
@@ -92,8 +95,17 @@ export class Measure {
 
   remove(item: Measured): void {
     this.list.splice(this.list.indexOf(item), 1);
-    if (item.known !== null) this.app.scaleFactors.delete(item.run);
+    if (item.known === null) return this.changed();
+    this.app.scaleFactors.delete(item.run);
     this.changed();
+    this.app.refresh();
+  }
+
+  /** The map of a run that these lengths were measured in is no more. */
+  private forget(run: number): void {
+    this.list.splice(0, this.list.length, ...this.list.filter((item) => item.run !== run));
+    if (this.pending?.run === run) this.pending = null;
+    this.changed(this.invitation());
   }
 
   rename(item: Measured, name: string): void {

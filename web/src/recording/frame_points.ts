@@ -10,6 +10,7 @@ import type { RecordedFrame } from './frame_block';
 export class FramePoints {
   private readonly cloud = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }));
   private seen = false;
+  private shown = false;
 
   constructor(private readonly app: App) {
     this.cloud.frustumCulled = false;
@@ -17,12 +18,24 @@ export class FramePoints {
     app.view.marks.add(this.cloud);
   }
 
+  /** There is no frame whose points are known. */
+  hide(): void {
+    this.shown = false;
+    this.update();
+  }
+
+  /** After the run was switched on or off. */
+  update(): void {
+    this.cloud.visible = this.shown && (this.app.active?.group.visible ?? false);
+    this.app.view.requestDraw();
+  }
+
   /** `row`: of the frames, whose pose the points are placed at; without one they are where the camera began. */
   show(frame: RecordedFrame, row: number): void {
-    const { cloud, app } = this;
-    cloud.visible = frame.points.length > 0;
-    app.view.requestDraw();
-    if (!cloud.visible) return;
+    const { cloud } = this;
+    this.shown = frame.points.length > 0;
+    this.update();
+    if (!this.shown) return;
     cloud.geometry.dispose();
     cloud.geometry = new THREE.BufferGeometry();
     cloud.geometry.setAttribute('position', new THREE.BufferAttribute(frame.points, 3));

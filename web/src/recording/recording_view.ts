@@ -29,6 +29,7 @@ export class RecordingView {
     this.image.onDrawn = (image) => (this.element.dataset.image = `${image.index}`);
     app.onChange((changed) => {
       if (changed.has('frame') || changed.has('active')) void this.update();
+      if (changed.has('hiddenRuns')) this.points.update();
     });
     void this.update();
   }
@@ -42,21 +43,31 @@ export class RecordingView {
     if (this.busy) return;
     this.busy = true;
     try {
-      for (let wanted = this.wanted(); wanted !== null && wanted.path !== this.shown; wanted = this.wanted()) {
+      let wanted = this.wanted();
+      for (; wanted !== null && wanted.path !== this.shown; wanted = this.wanted()) {
         this.shown = wanted.path;
-        this.show(await this.fetched(wanted.path), wanted.frame);
+        const frame = await this.fetched(wanted.path);
+        // Its pose is looked up in the run that is shown now.
+        if (this.wanted()?.scene === wanted.scene) this.show(frame, wanted.frame);
       }
+      if (wanted === null) this.forget();
     } finally {
       this.busy = false;
     }
   }
 
-  private wanted(): { path: string; frame: number } | null {
+  /** The run that is shown is no recording. */
+  private forget(): void {
+    this.shown = '';
+    this.points.hide();
+  }
+
+  private wanted(): { scene: number; path: string; frame: number } | null {
     const { state, frames } = this.app;
     const scene = this.recordings.get(state.active);
     this.element.hidden = scene === undefined;
     if (scene === undefined || !frames) return null;
-    return { path: `/api/frame/${scene}/${state.frame}${this.query}`, frame: state.frame };
+    return { scene, path: `/api/frame/${scene}/${state.frame}${this.query}`, frame: state.frame };
   }
 
   /** A text says why there is none. */
@@ -77,6 +88,12 @@ export class RecordingView {
     const state = stateOf(this.app, row);
     if (state !== '') this.title.append(el('span', { className: 'key' }, el('span', { className: 'swatch', style: `background:${stateColor(state)}` }), state));
     if (typeof frame === 'string') {
+      // What another frame showed must not be taken for this one.
+      this.pictures.hidden = true;
+      this.image.show(null);
+      delete this.element.dataset.image;
+      this.legend.show(null);
+      this.points.hide();
       this.line.textContent = frame;
       return;
     }

@@ -51,7 +51,10 @@ export class CurrentFrame {
     const { frames, active, state, view } = this.app;
     const camera = JSON.stringify(active?.scene.camera ?? null);
     if (this.run !== state.active || this.camera !== camera || !this.marker) {
-      if (this.marker) view.marks.remove(this.marker.object);
+      if (this.marker) {
+        view.marks.remove(this.marker.object);
+        this.marker.dispose();
+      }
       [this.run, this.camera] = [state.active, camera];
       this.marker = new FrameMarker(active?.scene.camera ?? null);
       view.marks.add(this.marker.object);

@@ -4,7 +4,7 @@ import type { App } from '../app';
 import type { Frames, SceneEvent } from '../scene/scene';
 import { button, el, select } from '../ui/dom';
 import { icon, type IconName } from '../ui/icons';
-import { digits, unitOf } from '../ui/units';
+import { digits, lengthText } from '../ui/units';
 import { Player } from './player';
 import { drawCursor, drawStrip, isMarked, stampToX, xToStamp, type StripData } from './strip';
 import { curveLabels, duration, nearestFrame, type CurveName } from './track';
@@ -131,7 +131,7 @@ export class Timeline {
 
   private highest(values: Float32Array, name: CurveName): string {
     const top = values.reduce((a, b) => (b > a ? b : a), 0);
-    return name === 'milliseconds' ? `${digits(top)} ms` : `${digits(top)} ${unitOf(this.app)}`;
+    return name === 'milliseconds' ? `${digits(top)} ms` : lengthText(this.app, top, null);
   }
 
   private showPlaying(): void {

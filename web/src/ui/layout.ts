@@ -113,7 +113,6 @@ interface Parts {
 }
 
 function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure, video }: Parts): Omit<Actions, 'live'> {
-  const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
   return {
     fit: () => app.fit(),
     fromAbove: () => {
@@ -121,7 +120,7 @@ function buildActions(app: App, root: HTMLElement, { help, timeline, current, me
       app.rememberCamera();
     },
     toggleSide: () => root.classList.toggle('side-toggled'),
-    toggleTheme: () => app.set({ theme: themes[app.state.theme] }),
+    toggleTheme: () => app.set({ theme: app.dark ? 'light' : 'dark' }),
     measure: () => measure.toggle(),
     measureKind: () => measure.nextKind(),
     escape: () => measure.escape(),

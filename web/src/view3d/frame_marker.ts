@@ -25,6 +25,14 @@ export class FrameMarker {
     for (const child of this.object.children) child.renderOrder = 10;
   }
 
+  /** Gives back what the graphics card holds for it. */
+  dispose(): void {
+    for (const child of this.object.children as (LineSegments2 | THREE.Points)[]) {
+      child.geometry.dispose();
+      (child.material as THREE.Material).dispose();
+    }
+  }
+
   /** False where the frame has no finite pose. */
   place(frames: Frames, row: number, size: number, dark: boolean): boolean {
     const p = frames.positions.subarray(3 * row, 3 * row + 3);
