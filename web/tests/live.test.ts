@@ -269,8 +269,8 @@ test('after a reset the page shows the frames of the new map alone', () => withR
 }));
 
 test('after a reset neither the map, nor its scale, nor what was measured in it comes back', () => withRun({}, async (page, server) => {
-  for (let i = 0; i < 20; i++) server.send(frame(i));
-  await shownFrame(page, 19);
+  for (let i = 50; i < 60; i++) server.send(frame(i));
+  await shownFrame(page, 59);
   await page.locator('[data-layer="points:landmarks"]').waitFor();
   await page.evaluate(() => (window as any).rastro.app.fit());
   await drawn(page);
@@ -295,7 +295,7 @@ test('after a reset neither the map, nor its scale, nor what was measured in it 
   assert.match(await page.locator('.facts').innerText(), /no map yet/);
   assert.equal(await page.evaluate(() => (window as any).rastro.app.scaleFactors.size), 0);
   assert.equal(await page.locator('.lengths .value').count(), 0);
-  for (let i = 20; i < 23; i++) server.send(frame(i));
+  for (let i = 60; i < 63; i++) server.send(frame(i));
   server.scene = mapScene(1, 2, 0, { frames: undefined });
   server.send({ type: 'scene', index: 0, revision: 1 });
   await page.locator('[data-layer="points:landmarks"]').waitFor();
