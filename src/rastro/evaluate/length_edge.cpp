@@ -16,11 +16,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double samples_per_pixel = 2.0;  ///< Across the edge.
-constexpr double blur_samples = 1.4;       ///< Standard deviation of the Gaussian whose derivative detects the change.
+/// Across the edge: as many as there is room for, so that a near view takes no longer than others. Below the fewest the
+/// search region is larger than most images.
+constexpr double most_samples_per_pixel = 2.0, fewest_samples_per_pixel = 0.5;
+constexpr double blur_samples = 1.4;  ///< Standard deviation of the Gaussian whose derivative detects the change.
 constexpr int kernel_radius = 4;
 constexpr double coarsest_radius_px = 2.5;  ///< Minimum pixels in the radius to resolve lines.
-constexpr int fewest_profiles = 9, most_profiles = 161, most_offsets = 401;
+constexpr int fewest_profiles = 9, most_profiles = 161, most_offsets = 801;
 constexpr double steepest = 0.14;        ///< Maximum tangent of the angle to the rough direction.
 constexpr double largest_change = 25.0;  ///< Intensity levels per pixel; more counts as this.
 constexpr double smallest_score = 1.5;   ///< Intensity levels per pixel.
@@ -38,6 +40,7 @@ constexpr double image_sigma_px = 0.12;       ///< Common shift of all profiles 
 struct Strip {
   Vector3d origin, along, across;  ///< Camera frame.
   double step_along = 0.0, step_across = 0.0;
+  double samples_per_pixel = most_samples_per_pixel;  ///< Across.
   int rows = 0, columns = 0;
   std::vector<float> change;  ///< Across the edge, intensity levels per pixel; NaN outside the image.
 
@@ -77,7 +80,7 @@ double pixels_per_meter(const Camera& camera, const Vector3d& point, const Vecto
 }
 
 /// Derivative of a Gaussian, per pixel.
-std::vector<float> derivative_kernel() {
+std::vector<float> derivative_kernel(double samples_per_pixel) {
   std::vector<float> kernel;
   double sum = 0.0;
   for (int k = -kernel_radius; k <= kernel_radius; ++k) {
@@ -90,7 +93,7 @@ std::vector<float> derivative_kernel() {
 }
 
 void fill_changes(const LengthView& view, Strip& strip) {
-  const std::vector<float> kernel = derivative_kernel();
+  const std::vector<float> kernel = derivative_kernel(strip.samples_per_pixel);
   std::vector<float> profile(static_cast<std::size_t>(strip.columns + 2 * kernel_radius));
   strip.change.resize(static_cast<std::size_t>(strip.rows) * static_cast<std::size_t>(strip.columns));
   float* change = strip.change.data();
@@ -119,12 +122,17 @@ std::optional<Strip> strip_of(const LengthView& view, const LengthFace& face, co
   if (strip.across.dot(search.inwards) < 0.0) strip.across = -strip.across;
   const double across = pixels_per_meter(view.camera, strip.origin, strip.across);
   const double along = pixels_per_meter(view.camera, strip.origin, strip.along);
-  if (across * search.radius_m < coarsest_radius_px || !(along > 0.0)) return std::nullopt;
-  strip.columns = 2 * static_cast<int>(std::ceil(search.radius_m * across * samples_per_pixel)) + 1;
+  const double radius_px = across * search.radius_m;
+  if (radius_px < coarsest_radius_px || !(along > 0.0)) return std::nullopt;
+  constexpr int most_beside = (most_offsets - 1) / 2;
+  strip.samples_per_pixel = std::min(most_samples_per_pixel, most_beside / radius_px);
+  if (strip.samples_per_pixel < fewest_samples_per_pixel) return std::nullopt;
+  const auto columns_beside = static_cast<int>(std::ceil(radius_px * strip.samples_per_pixel));
+  strip.columns = 2 * std::min(columns_beside, most_beside) + 1;
   strip.rows = 2 * static_cast<int>(std::ceil(search.half_length_m * along)) + 1;
-  if (strip.rows < fewest_profiles || strip.columns > most_offsets) return std::nullopt;
+  if (strip.rows < fewest_profiles) return std::nullopt;
   strip.rows = std::min(strip.rows, most_profiles);
-  strip.step_across = 1.0 / (across * samples_per_pixel);
+  strip.step_across = 1.0 / (across * strip.samples_per_pixel);
   strip.step_along = 2.0 * search.half_length_m / (strip.rows - 1);
   fill_changes(view, strip);
   return strip;
@@ -235,7 +243,7 @@ std::optional<StripLine> refined(const Strip& strip, const StripLine& rough) {
   const double scatter = std::sqrt(squares / weights);
   // Neighboring profiles share pixels, so they count half.
   line.sigma_column = std::max(scatter, 0.2) * std::sqrt(2.0 * information.inverse()(0, 0));
-  line.sigma_column = std::hypot(line.sigma_column, image_sigma_px * samples_per_pixel);
+  line.sigma_column = std::hypot(line.sigma_column, image_sigma_px * strip.samples_per_pixel);
   return line;
 }
 
@@ -249,7 +257,7 @@ BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& s
   BesideLine counts;
   for (int row = 0; row < strip.rows; row += 2) {
     for (const double pixels : {1.5, 2.5, 3.5}) {
-      const Vector3d point = strip.point(row, line.at(strip, row) + side * pixels * samples_per_pixel);
+      const Vector3d point = strip.point(row, line.at(strip, row) + side * pixels * strip.samples_per_pixel);
       const auto pixel = view.camera.project(point);
       if (!pixel) continue;
       const auto x = static_cast<int>(std::lround(pixel->x())), y = static_cast<int>(std::lround(pixel->y()));
@@ -284,7 +292,7 @@ LengthEdge edge_of(const LengthView& view, const LengthFace& face, const Strip& 
   const double sigma_across = line.sigma_column * strip.step_across, sigma_depth = face.depth_sigma_at(ray);
   edge.covariance = sigma_across * sigma_across * strip.across * strip.across.transpose() +
                     sigma_depth * sigma_depth * ray * ray.transpose();
-  edge.pixel_m = samples_per_pixel * strip.step_across;
+  edge.pixel_m = strip.samples_per_pixel * strip.step_across;
   edge.score = line.score / (line.score + half_score) * depth_factor(view, face, strip, line);
   for (int end = 0; end < 2; ++end) {
     const double row = end * (strip.rows - 1);
