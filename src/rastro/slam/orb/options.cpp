@@ -90,7 +90,8 @@ void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"start_depth_points",
              &o.start_depth_points,
              "",
-             "features with depth that initialization needs, with a stereo or depth camera",
+             "features with depth that initialization needs, with a stereo or depth camera: within far_baselines, or "
+             "after 10 frames with fewer of these at any distance",
              20,
              20000,
              {}});

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 #include "rastro/math/math_testing.h"
 #include "rastro/slam/orb/session_testing.h"
 
@@ -16,8 +19,9 @@ using testing::pose_near;
 using testing::SessionBench;
 
 struct InitializationBench : SessionBench {
-  explicit InitializationBench(CameraKind sensor, const OrbSlamOptions& options = {})
-      : SessionBench(sensor, options), initialization(session, tracker, pipeline, keyframes) {}
+  explicit InitializationBench(CameraKind sensor, const OrbSlamOptions& options = {},
+                               testing::PointWorld points = testing::PointWorld(300, 5))
+      : SessionBench(sensor, options, {}, std::move(points)), initialization(session, tracker, pipeline, keyframes) {}
   /// Frame `index` at a stop.
   SlamUpdate process(std::int64_t index, double k, const ObserveOptions& how = {}) {
     SlamUpdate update;
@@ -147,6 +151,75 @@ TEST(Initialization, WithDepthOneFrameOfEnoughPointsInitializes) {
   const TrackingResult next = bench.tracker.track(bench.observe(2, bench.stop(0.2)).frame);
   EXPECT_TRUE(next.ok);
   EXPECT_GT(next.predicted, 180) << "by the points of the first frame";
+}
+
+/// Of 300 points with depth, a quarter is near.
+TEST(Initialization, WithDepthAMapWaitsForNearPointsButNotForEver) {
+  OrbSlamOptions options;
+  options.far_baselines = 15.0;  // 6 m
+  InitializationBench bench(CameraKind::depth, options);
+  for (int k = 0; k < 10; ++k) {
+    const SlamUpdate waits = bench.process(k, 0.02 * k);
+    EXPECT_EQ(waits.reason, SlamReason::too_few_points);
+    EXPECT_THAT(waits.detail, ::testing::MatchesRegex("needs at least 200 features with depth, got (29[0-9]|300), "
+                                                      "[0-9]+ of them within 6.0 m"));
+    EXPECT_FALSE(bench.session.has_map) << k;
+  }
+  const SlamUpdate begun = bench.process(10, 0.2);
+  ASSERT_TRUE(bench.session.has_map);
+  EXPECT_EQ(begun.state, SlamState::tracking);
+  EXPECT_EQ(begun.reason, SlamReason::none);
+  const std::size_t landmarks = bench.session.graph.landmark_count();
+  EXPECT_GE(landmarks, 30U);
+  EXPECT_LT(landmarks, 200U);
+  EXPECT_EQ(begun.events[0].detail, "0 started with " + std::to_string(landmarks) + " points");
+  EXPECT_EQ(bench.session.graph.keyframe(0).frame->data().frame, 10);
+  EXPECT_THAT(bench.tracker.last_pose(), pose_near(SE3(), 0.0, 0.0));
+  // The frames that waited get their poses, 0.004 m from each to the next.
+  const std::vector<double> xs = bench.positions();
+  ASSERT_EQ(xs.size(), 11U);
+  for (std::size_t i = 0; i < xs.size(); ++i) EXPECT_NEAR(xs[i], 0.004 * (static_cast<double>(i) - 10.0), 5e-4) << i;
+}
+
+TEST(Initialization, WithDepthEnoughNearPointsInitializeAtOnce) {
+  OrbSlamOptions options;
+  options.far_baselines = 20.0;  // 8 m
+  InitializationBench bench(CameraKind::depth, options, testing::PointWorld(600, 5));
+  EXPECT_THAT(bench.process(0, 0.0, {.to = 300}).detail, ::testing::HasSubstr("within 8.0 m"));
+  EXPECT_FALSE(bench.session.has_map);
+  EXPECT_EQ(bench.process(1, 0.1).state, SlamState::tracking);
+  EXPECT_TRUE(bench.session.has_map);
+  EXPECT_GE(bench.session.graph.landmark_count(), 200U);
+}
+
+TEST(Initialization, WithFewerNearPointsThanTrackingNeedsNoMapBegins) {
+  OrbSlamOptions options;
+  options.far_baselines = 10.25;  // 4.1 m
+  InitializationBench bench(CameraKind::depth, options);
+  for (int k = 0; k < 15; ++k) {
+    EXPECT_EQ(bench.process(k, 0.02 * k).reason, SlamReason::too_few_points);
+    EXPECT_FALSE(bench.session.has_map);
+  }
+}
+
+/// Keyframes before the first one make the second redundant; then it is too far away to be tracked.
+TEST(Initialization, TrackingGoesOnFromTheFirstViewWhereTheSecondWasCulled) {
+  OrbSlamOptions options;
+  options.search_px = 1.0;
+  options.min_guess_inliers = 1000;  // the reference keyframe would find it
+  options.cull_seen_share = 0.5;
+  InitializationBench bench(CameraKind::mono, options);
+  bench.process(0, 0.0, {.to = 60});
+  bench.process(1, 0.03, {.to = 80});
+  bench.process(2, 0.06);
+  ASSERT_FALSE(bench.session.has_map);
+  bench.process(3, 2.0);
+  ASSERT_TRUE(bench.session.has_map);
+  EXPECT_TRUE(bench.session.tracking);
+  ASSERT_EQ(bench.session.graph.keyframe_ids(), (std::vector<std::int64_t>{0, 2, 3})) << "those before the first";
+  EXPECT_THAT(bench.tracker.last_pose(), pose_near(bench.session.graph.camera_from_world(0), 1e-12, 1e-12));
+  EXPECT_EQ(bench.positions().size(), 4U);
+  EXPECT_TRUE(bench.tracker.track(bench.observe(4, bench.stop(0.09)).frame).ok);
 }
 
 TEST(Initialization, KeyframesAreCountedFromTheInitialization) {

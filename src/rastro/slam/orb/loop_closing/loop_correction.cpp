@@ -85,6 +85,7 @@ class LoopCorrection {
     graph_options.loops = LoopModel::trusted;
     graph_options.fix_scale = graph_.sensor() != CameraKind::mono;
     optimize_pose_graph(after, edges_, fixed, graph_options);
+    hold_root(after);
     take_over(after);
     return fused;
   }
@@ -95,12 +96,22 @@ class LoopCorrection {
   }
   bool is_around(std::int64_t id) const { return std::find(around_.begin(), around_.end(), id) != around_.end(); }
 
+  std::int64_t root() const {
+    const auto is_root = [&](std::int64_t id) { return graph_.keyframe(id).parent < 0; };
+    const auto at = std::find_if(ids_.begin(), ids_.end(), is_root);
+    return at == ids_.end() ? loop_.matched : *at;
+  }
+
   /// The fixed keyframe: the root, or the matched keyframe if the root is among those that move.
-  std::size_t held() const {
-    for (const std::int64_t id : ids_) {
-      if (graph_.keyframe(id).parent < 0 && !is_around(id)) return index(id);
-    }
-    return index(loop_.matched);
+  std::size_t held() const { return index(is_around(root()) ? loop_.matched : root()); }
+
+  /// The root is the submap's world: if it moved, all move back with it. Relative poses stay as they are.
+  void hold_root(std::vector<Sim3>& poses) const {
+    const std::size_t origin = index(root());
+    if (origin == held()) return;
+    const Sim3 back = before_[origin] * poses[origin].inverse();
+    for (Sim3& pose : poses) pose = back * pose;
+    poses[origin] = before_[origin];
   }
 
   void add_edge(std::int64_t from, std::int64_t to, const Sim3& from_from_to) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "rastro/math/math_testing.h"
@@ -114,6 +115,34 @@ TEST(LoopCorrection, TheErrorIsSpreadAndLandmarksStayWhereTheirFirstKeyframeSees
     EXPECT_TRUE(error < 1e-9 || first >= 3) << id << ": " << error;
     row.graph.describe(id);
     EXPECT_EQ(landmark.direction, row.graph.landmark(id).direction) << "described again where it is";
+  }
+}
+
+/// The camera is back at the root, and recognizes the other end of the row.
+TEST(LoopCorrection, TheRootStaysWhereItIsAlsoWhereItIsAmongThoseThatMove) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
+    Row row(sensor);
+    OrbSlamOptions options;
+    options.loop_search_px = 0.001;  // nothing is fused
+    ASSERT_GE(row.graph.shared(1, 0), options.covisible_landmarks);
+    VerifiedLoop loop = loop_of(row.graph, 1, 5);
+    const double scale = sensor == CameraKind::mono ? 1.1 : 1.0;
+    loop.keyframe_from_matched =
+        Sim3(scale, loop.keyframe_from_matched.rotation(),
+             scale * loop.keyframe_from_matched.translation() + Eigen::Vector3d(0.0, 0.3, 0.0));
+    correct_loop(row.graph, options, loop);
+    EXPECT_THAT(row.graph.camera_from_world(0), pose_near(in_row(0), 1e-12, 1e-12));
+    EXPECT_NEAR(row.graph.unit(0), 1.0, 1e-12);
+    const Eigen::Vector3d end = row.graph.camera_from_world(5).inverse().translation();
+    EXPECT_GT((end - in_row(5).inverse().translation()).norm(), 0.05) << "the others are corrected";
+    if (sensor == CameraKind::mono) {
+      EXPECT_GT(std::abs(row.graph.unit(5) - 1.0), 0.01);
+    }
+    // Landmarks go with their keyframes.
+    const std::int64_t first = row.map.landmark_of[0];
+    ASSERT_EQ(row.graph.landmark(first).first_keyframe, 0);
+    const Eigen::Vector3d in_second = row.graph.camera_from_world(1) * row.graph.landmark(first).position;
+    EXPECT_LT((in_second - row.graph.unit(1) * (in_row(1) * row.world.points[0])).norm(), 1e-9);
   }
 }
 

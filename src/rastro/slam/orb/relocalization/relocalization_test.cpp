@@ -22,8 +22,8 @@ using testing::SessionBench;
 struct RelocalizationBench : SessionBench {
   explicit RelocalizationBench(CameraKind sensor = CameraKind::mono, int init_frames = 60)
       : RelocalizationBench(sensor, options_with(init_frames)) {}
-  RelocalizationBench(CameraKind sensor, const OrbSlamOptions& options)
-      : SessionBench(sensor, options), relocalization(session, tracker, pipeline, keyframes) {
+  RelocalizationBench(CameraKind sensor, const OrbSlamOptions& options, const SlamContext& context = {})
+      : SessionBench(sensor, options, context), relocalization(session, tracker, pipeline, keyframes) {
     begin(3);
     session.tracking = false;
     session.lost_frames = 7;
@@ -126,6 +126,17 @@ TEST(Relocalization, OnlyTheLastLostFramesAreKept) {
   EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{12, 13})) << "and the one that was found";
 }
 
+/// A new submap ended the earlier loss.
+TEST(Relocalization, FramesOfAnEarlierLossGetNoPoses) {
+  for (const bool lost_again : {false, true}) {
+    RelocalizationBench bench;
+    EXPECT_FALSE(bench.relocalize(10, 0.8, {.to = 60}));
+    if (lost_again) bench.relocalization.on_lost();
+    ASSERT_TRUE(bench.relocalize(11, 1.0));
+    EXPECT_EQ(bench.frames().size(), lost_again ? 0U : 1U);
+  }
+}
+
 TEST(Relocalization, NoKeyframeIsMadeRightAfter) {
   RelocalizationBench bench;
   ASSERT_TRUE(bench.relocalize(10, 1.0));
@@ -182,6 +193,22 @@ TEST(Relocalization, AFrameThatCannotBeTrackedRejectsIt) {
   bench.confirm(13, 1.3);
   EXPECT_TRUE(bench.confirm(14, 1.4));
   EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{10, 11, 12, 13}));
+}
+
+/// Words are the last thing that mapping gives a keyframe.
+TEST(Relocalization, IsConfirmedInAMapThatNoJobIsWriting) {
+  TaskPool pool(2);
+  RelocalizationBench bench(CameraKind::mono, confirmed_by(3), {.pool = &pool, .pipelined = true});
+  EXPECT_FALSE(bench.relocalize(10, 1.0));
+  ASSERT_TRUE(bench.relocalization.is_unconfirmed());
+  const auto input = bench.input(9, 2.2, 2);
+  const auto frame = bench.observe(11, bench.stop(1.1)).frame;
+  const TrackingResult result = bench.tracker.track(frame);
+  bench.pipeline.insert(input, 0);
+  EXPECT_FALSE(bench.relocalization.confirm(frame, result, bench.update));
+  ASSERT_TRUE(bench.session.graph.has_keyframe(3));
+  EXPECT_TRUE(bench.session.graph.keyframe(3).words);
+  EXPECT_FALSE(bench.pipeline.idle()) << "the result is handed over in its time";
 }
 
 /// The number of the keyframe that a frame at stop 1.4 is found in, with this initial pose.

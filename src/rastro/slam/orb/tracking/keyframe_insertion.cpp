@@ -30,7 +30,6 @@ bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const Tracking
   return new_depth_features(frame, tracked).size() > static_cast<std::size_t>(options.keyframe_new_points);
 }
 
-/// Features with depth, not too far, without a landmark.
 std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFrame& frame,
                                                                  const TrackingResult& tracked) const {
   std::vector<std::uint32_t> features;

@@ -21,6 +21,8 @@ class KeyframeInsertion {
       : session_(session), tracker_(tracker), pipeline_(pipeline) {}
 
   bool needs_keyframe(const FeatureFrame& frame, const TrackingResult& tracked) const;
+  /// Features with depth, not too far, that fit no landmark: a keyframe makes landmarks of them. None with one camera.
+  std::vector<std::uint32_t> new_depth_features(const FeatureFrame& frame, const TrackingResult& tracked) const;
   /// Hands the keyframe to the pipeline. Returns the features with depth that become landmarks at once. Does nothing in
   /// a live run where mapping has fallen behind. `view`: null: features alone.
   std::vector<std::uint32_t> insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked,
@@ -39,7 +41,6 @@ class KeyframeInsertion {
  private:
   bool is_settled(const TrackingResult& tracked) const;
   KeyframeInput input_of(const FeatureFrame& frame, const TrackingResult& tracked);
-  std::vector<std::uint32_t> new_depth_features(const FeatureFrame& frame, const TrackingResult& tracked) const;
 
   OrbSession& session_;
   FrameTracker& tracker_;

@@ -59,7 +59,11 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
   if (!tracked) return initialize(measured, update);
-  if (relocalization_.is_unconfirmed() && !confirm(measured.features, *tracked, update)) return;
+  if (relocalization_.is_unconfirmed() && !confirm(measured.features, *tracked, update)) {
+    // A place that only looks alike may be found again and again: a new submap must not wait for that to end.
+    if (!session_.tracking) initialize(measured, update);
+    return;
+  }
   Stopwatch stage;
   observe(*tracked, ObservationState::inlier, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);

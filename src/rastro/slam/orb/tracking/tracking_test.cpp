@@ -333,6 +333,27 @@ TEST(Tracking, LostFramesExtrapolateTheMotionAndAreRelocalized) {
   EXPECT_EQ(run.process(8, -0.22).state, SlamState::tracking);
 }
 
+/// Relocalized again and again, but never believed.
+TEST(Tracking, ASubmapBeginsWhereAPlaceThatOnlyLooksAlikeIsRejected) {
+  OrbSlamOptions options = WallRun::wall_options();
+  options.lost_frames = 3;
+  options.relocalize_frames = 1;
+  options.relocalize_chance_ratio = 10000.0;
+  WallRun run(options);
+  for (int k = 0; k < 3; ++k) run.process(k, 0.02 * k);
+  run.process(run.frame_at(3, SE3(SO3(), {40.0, 30.0, 0.0})));
+  const SlamUpdate lost = run.process(4, -0.25);
+  EXPECT_EQ(lost.state, SlamState::lost);
+  EXPECT_EQ(lost.reason, SlamReason::not_found);
+  EXPECT_THAT(lost.detail, ::testing::HasSubstr("visible landmarks fit")) << "the hypothesis was judged";
+  EXPECT_EQ(run.session.graph.submap_count(), 1);
+  const SlamUpdate begun = run.process(5, -0.24);
+  EXPECT_EQ(run.session.graph.submap_count(), 2);
+  EXPECT_EQ(begun.state, SlamState::weak);
+  EXPECT_EQ(begun.reason, SlamReason::apart);
+  EXPECT_TRUE(run.session.tracking);
+}
+
 /// The camera leaps farther than landmarks are searched for around their predicted positions.
 TEST(Tracking, TracksFollowALeapThatTheSearchDoesNot) {
   for (const char* frontend : {"orb", "tracks"}) {
