@@ -15,11 +15,12 @@ struct LongRun : SessionBench {
       : SessionBench(CameraKind::depth, options) {
     begin(3);
     const testing::Observed observed = observe(5, stop(1), {.to = seen});
-    TrackedFrame frame = {0, 0, 1, SE3(SO3(), {0.0, 0.02, 0.0}), 1.0, -1, {}};
+    auto measured = std::make_shared<FrameMeasurements>();
     for (const TrackedPoint& point : map.tracked(observed))
-      frame.seen.push_back({point.landmark, observed.frame->ray(point.feature).cast<float>(),
-                            static_cast<float>(observed.frame->right_ray(point.feature)), 0.002F});
-    EXPECT_EQ(frame.seen.size(), seen);
+      measured->seen.push_back({point.landmark, observed.frame->ray(point.feature).cast<float>(),
+                                static_cast<float>(observed.frame->right_ray(point.feature)), 0.002F});
+    EXPECT_EQ(measured->seen.size(), seen);
+    TrackedFrame frame = {0, 0, 1, 1.0, SE3(SO3(), {0.0, 0.02, 0.0}), -1, measured};
     for (; frame.index < frames; ++frame.index) session.trajectory.add(frame);
   }
   static OrbSlamOptions thirty_inliers() {
@@ -30,8 +31,8 @@ struct LongRun : SessionBench {
   }
   int with_observations() const {
     const auto& frames = session.trajectory.frames();
-    return static_cast<int>(
-        std::count_if(frames.begin(), frames.end(), [](const TrackedFrame& frame) { return !frame.seen.empty(); }));
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(),
+                                          [](const TrackedFrame& frame) { return frame.measured != nullptr; }));
   }
   /// Frames whose pose is the keyframe's now.
   int refined() const {
@@ -55,7 +56,7 @@ TEST(KeyframePipeline, AllButTheLastFramesAreRefinedWithTheNextKeyframe) {
     run.pipeline.take_all_results(run.events);
     EXPECT_EQ(run.refined(), better) << frames << ' ' << seen;
     for (int k = 0; k < frames; ++k)
-      EXPECT_EQ(run.session.trajectory.frames()[static_cast<std::size_t>(k)].seen.empty(), k < taken);
+      EXPECT_EQ(run.session.trajectory.frames()[static_cast<std::size_t>(k)].measured == nullptr, k < taken);
   }
 }
 

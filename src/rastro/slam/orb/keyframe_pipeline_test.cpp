@@ -235,12 +235,13 @@ TEST(KeyframePipeline, TheTrajectoryIsRefinedAtTheEndWithHalfTheInliers) {
     SessionBench bench(CameraKind::depth, options);
     bench.begin(3);
     const testing::Observed observed = bench.observe(5, bench.stop(1.5), {.to = seen});
-    TrackedFrame frame = {5, second, 1, SE3(SO3(), {-0.1, 0.02, 0.0}), 1.0, -1, {}};
+    FrameMeasurements measured;
     for (const TrackedPoint& point : bench.map.tracked(observed))
-      frame.seen.push_back({point.landmark, observed.frame->ray(point.feature).cast<float>(),
-                            static_cast<float>(observed.frame->right_ray(point.feature)), 0.002F});
-    ASSERT_EQ(frame.seen.size(), seen);
-    bench.session.trajectory.add(frame);
+      measured.seen.push_back({point.landmark, observed.frame->ray(point.feature).cast<float>(),
+                               static_cast<float>(observed.frame->right_ray(point.feature)), 0.002F});
+    ASSERT_EQ(measured.seen.size(), seen);
+    bench.session.trajectory.add({5, second, 1, 1.0, SE3(SO3(), {-0.1, 0.02, 0.0}), -1,
+                                  std::make_shared<const FrameMeasurements>(std::move(measured))});
     std::vector<SlamEvent> events;
     bench.pipeline.finish(events);
     const Trajectory poses = bench.session.trajectory.trajectory(bench.session.graph, 0);
@@ -293,11 +294,11 @@ TEST(KeyframePipeline, TheFullerTheMapTheSparserItsKeyframes) {
     context.map_memory_bytes = static_cast<std::size_t>(share * static_cast<double>(bytes));
     PipelineBench bench(without_culling(), context);
     TrackedFrame frame;
-    frame.seen.resize(1);
+    frame.measured = std::make_shared<FrameMeasurements>();
     bench.session.trajectory.add(frame);
     bench.pipeline.take_all_results(bench.events);
     EXPECT_EQ(bench.session.spacing, then.first) << share;
-    EXPECT_EQ(bench.session.trajectory.frames().front().seen.empty(), then.first >= 2.0) << share;
+    EXPECT_EQ(bench.session.trajectory.frames().front().measured == nullptr, then.first >= 2.0) << share;
     EXPECT_NEAR(bench.session.keyframe_share, then.second, 1e-12) << share;
     EXPECT_EQ(bench.events.size(), then.first > 1.0 ? 1U : 0U) << share;
   }

@@ -16,16 +16,12 @@ SE3 pose_of(const MapGraph& graph, const TrackedFrame& frame) {
 
 /// Features and images together, where there are both.
 SE3 with_direct(const TrackedFrame& frame, const MapGraph& graph, const PoseRefinement& refined) {
-  if (!frame.direct || graph.submap(frame.direct->keyframe) != graph.submap(frame.keyframe))
+  const DirectObservation* observed = frame.measured->direct.get();
+  if (observed == nullptr || graph.submap(observed->keyframe) != graph.submap(frame.keyframe))
     return refined.camera_from_world;
-  const RelativePose& direct = frame.direct->pose;
-  const SE3 by_images = direct.camera_from_keyframe * graph.camera_from_world(frame.direct->keyframe);
+  const RelativePose& direct = observed->pose;
+  const SE3 by_images = direct.camera_from_keyframe * graph.camera_from_world(observed->keyframe);
   return fused({refined.camera_from_world, refined.covariance}, {by_images, direct.covariance}).camera_from_keyframe;
-}
-
-void only_remember(TrackedFrame& frame) {
-  frame.seen = std::vector<FrameObservation>();  // "= {}" would keep the memory
-  frame.direct.reset();
 }
 
 }  // namespace
@@ -42,18 +38,21 @@ void FrameTrajectory::add(const TrackedFrame& frame) {
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
                                    [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
   const auto added = frames_.insert(at, frame);
-  if (!keeps_observations_) only_remember(*added);
+  if (!keeps_observations_) added->measured.reset();
 }
 
 void FrameTrajectory::forget_observations() {
   keeps_observations_ = false;
-  for (TrackedFrame& frame : frames_) only_remember(frame);
+  for (TrackedFrame& frame : frames_) frame.measured.reset();
 }
 
 std::size_t FrameTrajectory::bytes() const {
   std::size_t bytes = frames_.size() * sizeof(TrackedFrame);
-  for (const TrackedFrame& frame : frames_)
-    bytes += frame.seen.size() * sizeof(FrameObservation) + (frame.direct ? sizeof(DirectObservation) : 0);
+  for (const TrackedFrame& frame : frames_) {
+    if (!frame.measured) continue;
+    bytes += sizeof(FrameMeasurements) + frame.measured->seen.size() * sizeof(FrameObservation) +
+             (frame.measured->direct ? sizeof(DirectObservation) : 0);
+  }
   return bytes;
 }
 
@@ -79,15 +78,15 @@ void FrameTrajectory::forget(const MapGraph& graph, int submap) {
 }
 
 std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::size_t least) {
-  const auto observed = static_cast<std::size_t>(
-      std::count_if(frames_.begin(), frames_.end(), [](const TrackedFrame& frame) { return !frame.seen.empty(); }));
+  const auto observed = static_cast<std::size_t>(std::count_if(
+      frames_.begin(), frames_.end(), [](const TrackedFrame& frame) { return frame.measured != nullptr; }));
   std::vector<TrackedFrame> taken;
   if (observed < kept + least) return taken;
   for (TrackedFrame& frame : frames_) {
     if (taken.size() == observed - kept) break;
-    if (frame.seen.empty()) continue;
+    if (!frame.measured) continue;
     taken.push_back(frame);
-    only_remember(frame);
+    frame.measured.reset();
   }
   return taken;
 }
@@ -106,12 +105,13 @@ void FrameTrajectory::put_back(const std::vector<TrackedFrame>& refined) {
 
 void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least) {
   if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
-    frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
+    frame = {frame.index, frame.stamp, frame.became, graph.unit(frame.became), SE3(), frame.became, {}};
     return;
   }
+  if (!frame.measured) return;
   const int submap = graph.submap(frame.keyframe);
   std::vector<PoseObservation> observations;
-  for (const FrameObservation& seen : frame.seen) {
+  for (const FrameObservation& seen : frame.measured->seen) {
     const std::int64_t id = graph.current(seen.landmark);
     if (id < 0 || graph.landmark(id).observations.empty()) continue;
     const MapLandmark& landmark = graph.landmark(id);

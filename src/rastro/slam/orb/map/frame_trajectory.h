@@ -25,21 +25,26 @@ struct DirectObservation {
   RelativePose pose;
 };
 
-/// A frame with a pose relative to a keyframe, so that it follows the keyframe's later corrections.
+/// What a frame's pose was estimated from.
+struct FrameMeasurements {
+  std::vector<FrameObservation> seen;                    ///< Landmarks.
+  std::shared_ptr<const DirectObservation> direct = {};  ///< Null: none.
+};
+
+/// A frame with a pose relative to a keyframe, so that it follows the keyframe's later corrections. Small, since most
+/// frames are only remembered: a live run has 100,000 in an hour.
 struct TrackedFrame {
   std::int64_t index = 0;
   TimeNs stamp = 0;
   std::int64_t keyframe = 0;
-  SE3 camera_from_keyframe;
-  double unit = 1.0;                   ///< The keyframe's unit when the frame was tracked.
-  std::int64_t became = -1;            ///< The keyframe made from it; -1: none.
-  std::vector<FrameObservation> seen;  ///< The observations used for its pose.
-  /// Null: none. Elsewhere, since most frames are only remembered: a live run has 100,000 in an hour.
-  std::shared_ptr<const DirectObservation> direct = {};
+  double unit = 1.0;  ///< The keyframe's unit when the frame was tracked.
+  /// It ends with 8 bytes of padding; the next member is there.
+  [[no_unique_address]] SE3 camera_from_keyframe;
+  std::int64_t became = -1;                                ///< The keyframe made from it; -1: none.
+  std::shared_ptr<const FrameMeasurements> measured = {};  ///< Null: it is only remembered.
 };
 
-/// Re-estimates the pose from the frame's observations and its direct one in the current map; kept with fewer than
-/// `least` inliers.
+/// Re-estimates the pose from the frame's measurements in the current map; kept with fewer than `least` inliers.
 void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least);
 
 /// All frames that have a pose.
@@ -54,13 +59,12 @@ class FrameTrajectory {
   void forget(const MapGraph& graph, int submap);
   /// As refine_frame(), of all frames.
   void refine(const MapGraph& graph, int least);
-  /// So that memory does not grow with time: the frames with observations except the last `kept` of them, for
-  /// refine_frame() beside tracking. They lose their observations here, also the direct ones, not
-  /// their poses. Empty for fewer than `least`.
+  /// So that memory does not grow with time: the frames with measurements except the last `kept` of them, for
+  /// refine_frame() beside tracking. They lose their measurements here, not their poses. Empty for fewer than `least`.
   std::vector<TrackedFrame> take_observed(std::size_t kept, std::size_t least);
   /// Sets the poses of frames refined meanwhile; those that are no longer here are left out.
   void put_back(const std::vector<TrackedFrame>& refined);
-  /// To save memory: drops the observations of all frames, and of those added from now on; refine() skips these.
+  /// To save memory: drops the measurements of all frames, and of those added from now on; refine() skips these.
   void forget_observations();
   std::size_t bytes() const;
   const std::vector<TrackedFrame>& frames() const { return frames_; }

@@ -44,12 +44,14 @@ struct PathBench {
     const Observed observed =
         world.observe(100 + index, world_from_camera.inverse(), {.baseline = map.graph.baseline()});
     TrackedFrame frame = frame_at(map.graph, index, keyframe, world_from_camera * error);
+    auto measured = std::make_shared<FrameMeasurements>();
     for (const TrackedPoint& point : map.tracked(observed)) {
       const Eigen::Vector2d ray = observed.frame->ray(point.feature);
-      frame.seen.push_back({point.landmark, ray.cast<float>(),
-                            static_cast<float>(observed.frame->right_ray(point.feature)),
-                            static_cast<float>(map.graph.sigma(*observed.frame, point.feature))});
+      measured->seen.push_back({point.landmark, ray.cast<float>(),
+                                static_cast<float>(observed.frame->right_ray(point.feature)),
+                                static_cast<float>(map.graph.sigma(*observed.frame, point.feature))});
     }
+    frame.measured = std::move(measured);
     return frame;
   }
 
@@ -57,6 +59,21 @@ struct PathBench {
   ExactMap map;
   FrameTrajectory recorded;
 };
+
+/// With the landmarks of the smallest numbers alone.
+std::shared_ptr<const FrameMeasurements> first_of(const TrackedFrame& frame, std::size_t count) {
+  auto measured = std::make_shared<FrameMeasurements>(*frame.measured);
+  std::sort(measured->seen.begin(), measured->seen.end(),
+            [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
+  measured->seen.resize(count);
+  return measured;
+}
+
+std::shared_ptr<const FrameMeasurements> with(const TrackedFrame& frame, const DirectObservation& direct) {
+  auto measured = std::make_shared<FrameMeasurements>(*frame.measured);
+  measured->direct = std::make_shared<const DirectObservation>(direct);
+  return measured;
+}
 
 /// A frame of which only the keyframe matters.
 TrackedFrame beside(std::int64_t index, std::int64_t keyframe) {
@@ -180,9 +197,8 @@ TEST(FrameTrajectory, IsRefinedInAMapWhoseScaleHasChanged) {
 TEST(FrameTrajectory, AFrameWithTooFewInliersKeepsItsPose) {
   PathBench bench;
   TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
-  std::sort(frame.seen.begin(), frame.seen.end(), [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
-  ASSERT_EQ(frame.seen.front().landmark, 0) << "the first one counts as well";
-  frame.seen.resize(20);
+  frame.measured = first_of(frame, 20);
+  ASSERT_EQ(frame.measured->seen.front().landmark, 0) << "the first one counts as well";
   bench.recorded.add(frame);
   bench.recorded.refine(bench.map.graph, 21);
   EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body,
@@ -195,12 +211,13 @@ TEST(FrameTrajectory, RemovedLandmarksAreNotUsedAndFusedOnesAre) {
   PathBench bench;
   MapGraph& graph = bench.map.graph;
   TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
-  frame.seen.resize(20);
+  frame.measured = first_of(frame, 20);
+  const std::int64_t first = frame.measured->seen[0].landmark, second = frame.measured->seen[1].landmark;
   bench.recorded.add(frame);
   // A duplicate at the position of the first landmark replaces it; the second is removed.
-  const std::int64_t twin = graph.add_landmark(graph.landmark(frame.seen[0].landmark).position, 0).id;
-  graph.fuse(twin, frame.seen[0].landmark);
-  graph.remove_landmark(frame.seen[1].landmark);
+  const std::int64_t twin = graph.add_landmark(graph.landmark(first).position, 0).id;
+  graph.fuse(twin, first);
+  graph.remove_landmark(second);
   bench.recorded.refine(graph, 20);
   EXPECT_THAT(bench.recorded.trajectory(graph, 0)[0].world_from_body, pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
   bench.recorded.refine(graph, 19);
@@ -247,7 +264,7 @@ TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
   std::vector<TrackedFrame> taken = bench.recorded.take_observed(4, 2);
   ASSERT_EQ(taken.size(), 2U) << "the oldest";
   EXPECT_EQ(taken[1].index, 2);
-  const auto observed = [](const TrackedFrame& frame) { return !frame.seen.empty(); };
+  const auto observed = [](const TrackedFrame& frame) { return frame.measured != nullptr; };
   EXPECT_EQ(std::count_if(bench.recorded.frames().begin(), bench.recorded.frames().end(), observed), 4);
   for (TrackedFrame& frame : taken) refine_frame(frame, bench.map.graph, 15);
   taken.push_back(taken[0]);
@@ -271,12 +288,12 @@ TEST(FrameTrajectory, AFrameThatIsOnlyRememberedIsSmall) {
   PathBench bench(CameraKind::depth);
   for (int k = 1; k < 7; ++k) {
     TrackedFrame frame = bench.seeing(k, 0, pose_at(0.1 * k), SE3());
-    frame.direct = std::make_shared<DirectObservation>();
+    frame.measured = with(frame, {});
     bench.recorded.add(frame);
   }
   EXPECT_GT(bench.recorded.bytes(), 6U * sizeof(DirectObservation));
   ASSERT_EQ(bench.recorded.take_observed(0, 6).size(), 6U);
-  EXPECT_LE(bench.recorded.bytes(), 6U * 192U);
+  EXPECT_LE(bench.recorded.bytes(), 6U * 112U);
 }
 
 TEST(FrameTrajectory, WhereMemoryIsShortFramesAreRememberedOnly) {
@@ -284,7 +301,7 @@ TEST(FrameTrajectory, WhereMemoryIsShortFramesAreRememberedOnly) {
   for (int k = 1; k < 7; ++k) {
     if (k == 4) bench.recorded.forget_observations();
     TrackedFrame frame = bench.seeing(k, 0, pose_at(0.1 * k), SE3());
-    frame.direct = std::make_shared<DirectObservation>();
+    frame.measured = with(frame, {});
     bench.recorded.add(frame);
   }
   EXPECT_LE(bench.recorded.bytes(), 6U * 192U);
@@ -297,8 +314,7 @@ TEST(FrameTrajectory, RefinesWithTheDirectPose) {
   const SE3 relative = (bench.map.graph.camera_from_world(1) * by_images).inverse();
   for (const double sigma : {1e-7, 10.0}) {
     TrackedFrame frame = bench.seeing(3, 0, by_features, SE3(SO3(), {0.002, 0.0, 0.0}));
-    frame.direct =
-        std::make_shared<DirectObservation>(DirectObservation{1, {relative, sigma * sigma * Matrix6d::Identity()}});
+    frame.measured = with(frame, {1, {relative, sigma * sigma * Matrix6d::Identity()}});
     refine_frame(frame, bench.map.graph, 15);
     const SE3 refined = (frame.camera_from_keyframe * bench.map.graph.camera_from_world(0)).inverse();
     EXPECT_THAT(refined, pose_near(sigma < 1.0 ? by_images : by_features, 2e-4, 2e-4)) << sigma;

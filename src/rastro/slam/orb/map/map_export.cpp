@@ -142,8 +142,8 @@ GivenMap restore(const Map& given, double baseline, MapGraph& graph) {
     restored.trajectory.add({static_cast<std::int64_t>(k),
                              map.frames[k].stamp,
                              map.frames[k].keyframe,
-                             map.frames[k].keyframe_from_camera.inverse(),
                              1.0,
+                             map.frames[k].keyframe_from_camera.inverse(),
                              -1,
                              {}});
   return restored;

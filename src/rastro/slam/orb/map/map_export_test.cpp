@@ -46,7 +46,7 @@ struct ExportBench {
   }
   void track(std::int64_t index, TimeNs stamp, std::int64_t keyframe, const SE3& camera_from_keyframe,
              double unit = 1.0) {
-    recorded.add({index, stamp, keyframe, camera_from_keyframe, unit, -1, {}});
+    recorded.add({index, stamp, keyframe, unit, camera_from_keyframe, -1, {}});
   }
   std::shared_ptr<const Map> map() const { return map_of(graph, recorded, std::nullopt); }
 
@@ -218,7 +218,7 @@ TEST(MapExport, AContinuedMapKeepsItsSubmapItsScaleAndTheFramesOfEarlierRuns) {
   // This run has all its frames in a new submap.
   FrameTrajectory now;
   graph.add_keyframe(blank_frame(9, 5.0, 0.1), camera_at(0.0), 2, -1);
-  for (const std::int64_t index : {0, 1, 2}) now.add({index, 1000 + index, 9, motion, 1.0, -1, {}});
+  for (const std::int64_t index : {0, 1, 2}) now.add({index, 1000 + index, 9, 1.0, motion, -1, {}});
   const auto continued = map_of(graph, now, given);
   EXPECT_EQ(continued->keyframes.front().submap, 0);
   EXPECT_EQ(continued->keyframes.back().submap, 2);

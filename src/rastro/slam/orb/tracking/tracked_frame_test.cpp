@@ -39,17 +39,18 @@ TEST(TrackedFrame, IsRelativeToItsReferenceInTheViewAndHasItsObservations) {
   EXPECT_EQ(frame.unit, 1.5);
   EXPECT_EQ(frame.became, -1);
   EXPECT_THAT(frame.camera_from_keyframe, pose_near(pose * second.inverse(), 1e-12, 1e-12));
-  ASSERT_EQ(frame.seen.size(), 59U) << "what is no landmark yet is left out";
-  for (std::size_t i = 0; i < frame.seen.size(); ++i) {
+  ASSERT_TRUE(frame.measured);
+  const std::vector<FrameObservation>& seen = frame.measured->seen;
+  ASSERT_EQ(seen.size(), 59U) << "what is no landmark yet is left out";
+  for (std::size_t i = 0; i < seen.size(); ++i) {
     const std::uint32_t feature = tracked.points[i < 3 ? i : i + 1].feature;
     const std::uint32_t point = observed.seen[feature];
     const Eigen::Vector3d in_camera = pose * world.points[point];
-    EXPECT_EQ(frame.seen[i].landmark, map.landmark_of[point]);
-    EXPECT_NEAR(frame.seen[i].ray.x(), in_camera.x() / in_camera.z(), 1e-5);
-    EXPECT_NEAR(frame.seen[i].ray.y(), in_camera.y() / in_camera.z(), 1e-5);
-    EXPECT_NEAR(frame.seen[i].right, (in_camera.x() - 0.1) / in_camera.z(), 1e-5);
-    EXPECT_FLOAT_EQ(frame.seen[i].sigma,
-                    static_cast<float>(2.0 * std::pow(1.2, observed.frame->level(feature)) / 500.0));
+    EXPECT_EQ(seen[i].landmark, map.landmark_of[point]);
+    EXPECT_NEAR(seen[i].ray.x(), in_camera.x() / in_camera.z(), 1e-5);
+    EXPECT_NEAR(seen[i].ray.y(), in_camera.y() / in_camera.z(), 1e-5);
+    EXPECT_NEAR(seen[i].right, (in_camera.x() - 0.1) / in_camera.z(), 1e-5);
+    EXPECT_FLOAT_EQ(seen[i].sigma, static_cast<float>(2.0 * std::pow(1.2, observed.frame->level(feature)) / 500.0));
   }
 }
 
@@ -66,6 +67,17 @@ TEST(TrackedFrame, OfAKeyframeHasItsPose) {
   EXPECT_EQ(frame.became, 4);
   EXPECT_EQ(frame.unit, 0.25);
   EXPECT_THAT(frame.camera_from_keyframe, pose_near(SE3(), 0.0, 0.0));
+  EXPECT_FALSE(frame.measured);
+}
+
+TEST(TrackedFrame, WithoutLandmarksIsOnlyRemembered) {
+  const PointWorld world(60, 5);
+  ExactMap map(world, CameraKind::depth, 0.1);
+  map.add(0, SE3());
+  TrackingResult tracked;
+  tracked.reference = 0;
+  EXPECT_FALSE(
+      tracked_frame(map.graph, *view_of(map.graph, 0, {}), *world.observe(7, SE3()).frame, tracked, 1.0).measured);
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ TEST(Tracking, ReportsPoseObservationsAndCovariance) {
   }
   ASSERT_EQ(run.session.trajectory.frames().size(), 2U);
   EXPECT_EQ(run.session.trajectory.frames()[1].index, 1);
-  EXPECT_EQ(run.session.trajectory.frames()[1].seen.size(), static_cast<std::size_t>(update.used));
+  EXPECT_EQ(run.session.trajectory.frames()[1].measured->seen.size(), static_cast<std::size_t>(update.used));
   ASSERT_TRUE(update.covariance);
   EXPECT_EQ(*update.covariance, update.covariance->transpose());
   const Vector6d error = (update.world_from_body * run.beside(0.03).inverse()).log();
