@@ -5,77 +5,15 @@
 #include <gtest/gtest.h>
 
 #include "rastro/math/math_testing.h"
-#include "rastro/slam/orb/session_testing.h"
-#include "rastro/slam/orb/tracking/wall_testing.h"
+#include "rastro/slam/orb/tracking/wall_run_testing.h"
 
 namespace rastro {
 namespace {
 
+using testing::count_of;
 using testing::pose_near;
-
-Camera wall_camera() {
-  Camera camera;
-  camera.width = 320;
-  camera.height = 240;
-  camera.fx = camera.fy = 230.0;
-  camera.cx = 162.0;
-  camera.cy = 118.0;
-  return camera;
-}
-
-/// The parts of a run, in front of a wall seen by a depth camera.
-struct WallRun {
-  explicit WallRun(const OrbSlamOptions& options = wall_options(), const Camera& camera = wall_camera(),
-                   CameraKind sensor = CameraKind::depth)
-      : session(options, testing::source_of(camera, sensor), {}),
-        tracker(session.options, session.sensor.camera, session.sensor.sensor, session.sensor.baseline),
-        pipeline(session, tracker, {}),
-        tracking(session, tracker, pipeline, nullptr) {}
-
-  static OrbSlamOptions wall_options() {
-    OrbSlamOptions options;
-    options.features = 400;
-    options.virtual_baseline_m = 0.1;
-    options.far_baselines = 100.0;
-    return options;
-  }
-  /// Frame k is taken at 0.1 k s.
-  static Frame frame_at(std::int64_t index, const SE3& world_from_camera) {
-    Frame frame;
-    frame.index = index;
-    frame.stamp = frame.depth_stamp = 100000000 * index;
-    frame.image = testing::image_of_wall(wall_camera(), world_from_camera);
-    frame.depth = depth_from(world_from_camera.translation().z());
-    return frame;
-  }
-  static DepthImage depth_from(double z) {
-    DepthImage depth(wall_camera().width, wall_camera().height);
-    for (int y = 0; y < depth.height(); ++y)
-      std::fill_n(depth.row(y), depth.width(), static_cast<float>(testing::wall_m - z));
-    return depth;
-  }
-  SlamUpdate process(const Frame& frame) {
-    SlamUpdate update;
-    update.world_from_body = last_pose;
-    ++session.frame_number;
-    tracking.process(frame, update);
-    last_pose = update.world_from_body;
-    return update;
-  }
-  SlamUpdate process(std::int64_t index, double x) { return process(frame_at(index, beside(x))); }
-  static SE3 beside(double x) { return SE3(SO3(), {x, 0.0, 0.0}); }
-
-  OrbSession session;
-  FrameTracker tracker;
-  KeyframePipeline pipeline;
-  Tracking tracking;
-  SE3 last_pose;
-};
-
-std::size_t count_of(const std::vector<FeatureObservation>& observations, ObservationState state) {
-  return static_cast<std::size_t>(
-      std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return o.state == state; }));
-}
+using testing::wall_camera;
+using testing::WallRun;
 
 TEST(Tracking, OneCameraGetsMoreFeaturesWhileFewLandmarksAreTracked) {
   for (const int few : {0, 400}) {
@@ -300,60 +238,6 @@ TEST(Tracking, ARepeatedFrameHasTheLastPoseIfItIsKnownAndLater) {
   EXPECT_EQ(run.session.trajectory.frames().size(), 3U);
 }
 
-TEST(Tracking, LostFramesExtrapolateTheMotionAndAreRelocalized) {
-  WallRun run;
-  for (int k = 0; k < 3; ++k) run.process(k, 0.02 * k);
-  Frame elsewhere = run.frame_at(3, SE3(SO3(), {40.0, 30.0, 0.0}));
-  const SlamUpdate lost = run.process(elsewhere);
-  EXPECT_EQ(lost.state, SlamState::lost);
-  EXPECT_EQ(lost.reason, SlamReason::few_inliers);
-  EXPECT_THAT(lost.detail, ::testing::MatchesRegex("needs at least 30 inliers, got [0-9]+ of [0-9]+ matches"));
-  EXPECT_THAT(lost.world_from_body, pose_near(run.beside(0.06), 0.02, 0.006));
-  EXPECT_FALSE(run.session.tracking);
-  EXPECT_EQ(run.session.lost_frames, 1);
-  elsewhere = run.frame_at(4, SE3(SO3(), {42.0, 30.0, 0.0}));
-  const SlamUpdate still = run.process(elsewhere);
-  EXPECT_EQ(still.reason, SlamReason::not_found);
-  EXPECT_EQ(run.session.lost_frames, 2);
-  EXPECT_EQ(count_of(run.tracking.observations(), ObservationState::inlier), 0U);
-  // Far from where the motion was leading.
-  for (const int k : {5, 6}) {
-    const SlamUpdate unconfirmed = run.process(k, 0.01 * k - 0.3);
-    EXPECT_EQ(unconfirmed.state, SlamState::lost);
-    EXPECT_EQ(unconfirmed.reason, SlamReason::unconfirmed);
-    EXPECT_FALSE(unconfirmed.covariance);
-    EXPECT_EQ(count_of(run.tracking.observations(), ObservationState::inlier), 0U);
-    EXPECT_EQ(run.session.trajectory.frames().size(), 3U);
-  }
-  const SlamUpdate found = run.process(7, -0.23);
-  EXPECT_EQ(found.state, SlamState::relocalized);
-  EXPECT_TRUE(run.session.tracking);
-  EXPECT_THAT(found.world_from_body, pose_near(run.beside(-0.23), 0.01, 0.003));
-  EXPECT_EQ(run.session.trajectory.frames().size(), 6U) << "the unconfirmed ones have poses too now";
-  EXPECT_EQ(run.process(8, -0.22).state, SlamState::tracking);
-}
-
-/// Relocalized again and again, but never believed.
-TEST(Tracking, ASubmapBeginsWhereAPlaceThatOnlyLooksAlikeIsRejected) {
-  OrbSlamOptions options = WallRun::wall_options();
-  options.lost_frames = 3;
-  options.relocalize_frames = 1;
-  options.relocalize_chance_ratio = 10000.0;
-  WallRun run(options);
-  for (int k = 0; k < 3; ++k) run.process(k, 0.02 * k);
-  run.process(run.frame_at(3, SE3(SO3(), {40.0, 30.0, 0.0})));
-  const SlamUpdate lost = run.process(4, -0.25);
-  EXPECT_EQ(lost.state, SlamState::lost);
-  EXPECT_EQ(lost.reason, SlamReason::not_found);
-  EXPECT_THAT(lost.detail, ::testing::HasSubstr("visible landmarks fit")) << "the hypothesis was judged";
-  EXPECT_EQ(run.session.graph.submap_count(), 1);
-  const SlamUpdate begun = run.process(5, -0.24);
-  EXPECT_EQ(run.session.graph.submap_count(), 2);
-  EXPECT_EQ(begun.state, SlamState::weak);
-  EXPECT_EQ(begun.reason, SlamReason::apart);
-  EXPECT_TRUE(run.session.tracking);
-}
-
 /// The camera leaps farther than landmarks are searched for around their predicted positions.
 TEST(Tracking, TracksFollowALeapThatTheSearchDoesNot) {
   for (const char* frontend : {"orb", "tracks"}) {
@@ -394,19 +278,6 @@ TEST(Tracking, KeyframesAreMadeWhileMappingAndTheViewFollowsTheCameraWithout) {
       EXPECT_TRUE(run.process(run.frame_at(k, SE3(SO3(), {40.0 + 0.05 * k, 30.0, 0.0}))).events.empty());
     EXPECT_EQ(run.session.graph.submap_count(), 1) << "no submap begins";
   }
-}
-
-TEST(Tracking, ADisconnectedSubmapIsReported) {
-  OrbSlamOptions options = WallRun::wall_options();
-  options.lost_frames = 2;
-  WallRun run(options);
-  run.process(0, 0.0);
-  SlamUpdate update;
-  for (int k = 1; k < 4; ++k) update = run.process(run.frame_at(k, SE3(SO3(), {40.0 + 0.01 * k, 30.0, 0.0})));
-  EXPECT_EQ(run.session.graph.submap_count(), 2);
-  EXPECT_EQ(update.state, SlamState::weak);
-  EXPECT_EQ(update.reason, SlamReason::apart);
-  EXPECT_EQ(update.detail, "in submap 1, not connected to the first yet");
 }
 
 }  // namespace
