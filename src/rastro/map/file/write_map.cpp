@@ -53,28 +53,30 @@ void compare_ids(const std::vector<std::int64_t>& before, const std::vector<std:
   for (; b < before.size(); ++b) gone(before[b]);
 }
 
-/// Rows named by an ascending id.
+/// Rows named by an ascending id. What is known of them is changed where it is: a second list would be as long as a
+/// run.
 template <typename Item, typename IdOf>
 void write_list(const std::string& table, const std::vector<Item>& items, const IdOf& id_of, WrittenMap& written,
                 Database& database) {
   std::vector<WrittenMap::Row>& rows = written.tables[table];
-  std::vector<WrittenMap::Row> now;
-  now.reserve(items.size());
-  auto before = rows.begin();
+  auto next = rows.begin();  // the rows before are those of the items so far
   const auto remove_until = [&](auto is_past) {
-    for (; before != rows.end() && !is_past(before->id); ++before) database.remove(table, before->id);
+    auto end = next;
+    for (; end != rows.end() && !is_past(end->id); ++end) database.remove(table, end->id);
+    next = rows.erase(next, end);
   };
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::int64_t id = id_of(i);
     const std::string body = body_of(items[i]);
-    now.push_back({id, std::hash<std::string>()(body)});
+    const std::size_t hash = std::hash<std::string>()(body);
     remove_until([id](std::int64_t other) { return other >= id; });
-    const bool known = before != rows.end() && before->id == id;
-    if (!known || before->hash != now.back().hash) database.put(table, id, body);
-    if (known) ++before;
+    const bool known = next != rows.end() && next->id == id;
+    if (!known || next->hash != hash) database.put(table, id, body);
+    if (!known) next = rows.insert(next, {id, hash});
+    next->hash = hash;
+    ++next;
   }
   remove_until([](std::int64_t) { return false; });
-  rows = std::move(now);
 }
 
 void write_unknown(const std::string& table, const UnknownLayer& layer, Database& database) {
