@@ -38,6 +38,14 @@ class Sampler {
             per_meter_ * (upper - lower)};
   }
 
+  /// Whether one of the four cells around the position is rather occupied.
+  bool is_beside_occupied(float x, float y) const {
+    const float column = std::floor(x * per_meter_ - 0.5F), row = std::floor(y * per_meter_ - 0.5F);
+    if (!holds(column, row)) return false;
+    const std::uint8_t* cell = cell_at(column, row);
+    return std::max({cell[0], cell[1], cell[map_.width], cell[map_.width + 1]}) > LogOddsSteps::nothing_known;
+  }
+
   /// Whether anything is known of the four cells around the position.
   bool knows(float x, float y) const {
     const float column = std::floor(x * per_meter_ - 0.5F), row = std::floor(y * per_meter_ - 0.5F);
@@ -161,6 +169,17 @@ std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> l
   fit.residual_variance = last.squares / count;
   judge_mapped_part(finest, points, fit.map_from_body, fit);
   return fit;
+}
+
+std::vector<Eigen::Vector2d> agreeing_points(const ProbabilityView& map, std::span<const Eigen::Vector2d> points,
+                                             const SE2& map_from_body) {
+  const Sampler sampler(map);
+  std::vector<Eigen::Vector2d> agreeing;
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2f end = (map_from_body * point - sampler.origin()).cast<float>();
+    if (sampler.is_beside_occupied(end.x(), end.y())) agreeing.push_back(point);
+  }
+  return agreeing;
 }
 
 double score_of(const ProbabilityView& map, std::span<const Eigen::Vector2d> points, const SE2& map_from_body) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "rastro/map/grid/log_odds_grid.h"
 #include "rastro/math/se2.h"
@@ -40,6 +41,10 @@ struct ScanToMapFit {
 std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> levels,
                                               std::span<const Eigen::Vector2d> points, const SE2& guess,
                                               const ScanPrior* prior, const ScanToMapOptions& options);
+
+/// The points that end in or beside a cell that is rather occupied than free, in their order.
+std::vector<Eigen::Vector2d> agreeing_points(const ProbabilityView& map, std::span<const Eigen::Vector2d> points,
+                                             const SE2& map_from_body);
 
 /// Mean of the map at the endpoints, 0..1, for the points at this pose.
 double score_of(const ProbabilityView& map, std::span<const Eigen::Vector2d> points, const SE2& map_from_body);

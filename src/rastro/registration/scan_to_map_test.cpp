@@ -241,5 +241,21 @@ TEST(ScanToMap, TellsHowManyEndpointsLieInTheMapAndHowWellTheyAgree) {
   EXPECT_EQ(none->agreement, 0.0);
 }
 
+TEST(ScanToMap, PointsAgreeWhereTheMapIsRatherOccupiedBesideThem) {
+  const Walls walls = l_shaped_room();
+  const Levels levels(walls, places_in_room());
+  const SE2 pose = pose_of(0.5, -0.5, 0.4);
+  std::vector<Eigen::Vector2d> points = walls.returns(pose, 360, 20.0);
+  const std::size_t all = points.size();
+  EXPECT_EQ(agreeing_points(levels.views().front(), points, pose).size(), all);
+  EXPECT_LT(agreeing_points(levels.views().front(), points, moved(pose, {0.3, 0.3, 0.0})).size(), all / 4);
+  // One in the free middle, one beyond the walls, where nothing is known, and one outside of the map.
+  const std::vector<Eigen::Vector2d> others = {{0.3, 0.2}, {0.0, -2.6}, {500.0, 0.0}};
+  points.insert(points.begin() + 100, others.begin(), others.end());
+  const auto agreeing = agreeing_points(levels.views().front(), points, pose);
+  ASSERT_EQ(agreeing.size(), all);
+  EXPECT_EQ(agreeing[100], points[103]);
+}
+
 }  // namespace
 }  // namespace rastro

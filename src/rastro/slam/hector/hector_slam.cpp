@@ -145,7 +145,7 @@ std::optional<ScanGap> HectorSlam::State::account_for_motion(const Frame& frame,
     uncertainty_.keep_slip();
     followed.covariance += gap->covariance;
   } else {
-    uncertainty_.move(moved_m, followed.unseen_direction);
+    uncertainty_.move(moved_m, guess.measured, followed.unseen_direction);
   }
   return gap;
 }

@@ -48,7 +48,9 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   }
   if (distance_m > 0.0) distrust_ = std::max(0.0, distrust_ - trust_of_step);
   growth_ << options_.odometry_sigma_share * distance_m, options_.odometry_yaw_sigma_share * angle;
-  return guess_at(moved, least_sigma_m, least_sigma_rad);
+  ScanGuess by_odometry = guess_at(moved, least_sigma_m, least_sigma_rad);
+  by_odometry.measured = true;
+  return by_odometry;
 }
 
 ScanGuess MotionGuess::guess_at(const SE2& moved, double least_m, double least_rad) const {

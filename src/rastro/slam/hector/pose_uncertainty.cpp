@@ -15,13 +15,15 @@ Eigen::Matrix3d in_rotated_axes(const Eigen::Matrix3d& covariance, const SO2& ro
 
 }  // namespace
 
-void PoseUncertainty::move(double path_m, const std::optional<Eigen::Vector2d>& unseen_direction) {
+void PoseUncertainty::move(double path_m, bool measured, const std::optional<Eigen::Vector2d>& unseen_direction) {
   if (!unseen_direction) {
     keep_slip();
     return;
   }
+  constexpr double share_of_speed = 0.25;
   unseen_path_m_ += path_m;
-  slip_ = options_.odometry_sigma_share * unseen_path_m_ * *unseen_direction;
+  slip_m_ += (measured ? options_.odometry_sigma_share : share_of_speed) * path_m;
+  slip_ = slip_m_ * *unseen_direction;
 }
 
 void PoseUncertainty::keep_slip() {
@@ -29,7 +31,7 @@ void PoseUncertainty::keep_slip() {
     for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
       if (!graph_.submaps()[s]->finished()) add_to_submap(s, slip_since(s));
   }
-  unseen_path_m_ = 0.0;
+  unseen_path_m_ = slip_m_ = 0.0;
   slip_.setZero();
   begun_at_m_.clear();
 }

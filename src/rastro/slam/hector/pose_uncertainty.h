@@ -20,8 +20,9 @@ class PoseUncertainty {
   /// Both must outlive this.
   PoseUncertainty(const HectorOptions& options, const SubmapGraph& graph) : options_(options), graph_(graph) {}
 
-  /// The robot moved by `path_m` to a scan with that unobservable direction, a unit vector in local axes.
-  void move(double path_m, const std::optional<Eigen::Vector2d>& unseen_direction);
+  /// The robot moved by `path_m` to a scan with that unobservable direction, a unit vector in local axes. `measured`:
+  /// by odometry; else it may have been faster or slower than before.
+  void move(double path_m, bool measured, const std::optional<Eigen::Vector2d>& unseen_direction);
   /// All directions are observable again: what may have slipped until then stays in the submaps mapped meanwhile.
   void keep_slip();
   /// What may have slipped since all directions were last observable: for each scan the same error, growing with the
@@ -46,7 +47,8 @@ class PoseUncertainty {
   const SubmapGraph& graph_;
   MapUncertainty submaps_;
   double unseen_path_m_ = 0.0;                      ///< Path length since all directions were last observable.
-  Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  ///< Standard deviation gathered on it.
+  double slip_m_ = 0.0;                             ///< Standard deviation gathered on it.
+  Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  ///< The same along the direction.
   std::map<std::size_t, double> begun_at_m_;        ///< That path length where submaps began on it.
 };
 

@@ -21,6 +21,13 @@ ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
   return prior;
 }
 
+/// What match_scan_to_map() minimizes, in total.
+double cost_of(const ScanToMapFit& fit, std::size_t points, const ScanPrior& prior) {
+  const SE2 off = prior.pose.inverse() * fit.map_from_body;
+  const Eigen::Vector3d error(off.translation().x(), off.translation().y(), off.rotation().angle());
+  return static_cast<double>(points) * fit.residual_variance + error.dot(prior.information * error);
+}
+
 /// The direction parallel to most surfaces, body frame, and the share of surfaces across it.
 struct WeakDirection {
   Eigen::Vector2d direction;
@@ -99,6 +106,15 @@ std::optional<ScanToMapFit> ScanFollower::searched(Submap& map, std::span<const 
   return fit && !unmapped(*fit) ? fit : std::nullopt;
 }
 
+/// A person who walks by, or what comes into view, is no structure that the map could constrain the motion by. Of a few
+/// scans, nothing tells which is which.
+std::vector<Eigen::Vector2d> ScanFollower::structure(const Submap& map, std::span<const Eigen::Vector2d> points,
+                                                     const SE2& submap_from_body) {
+  constexpr std::size_t few = 5;
+  if (map.key_scans().size() < few) return {points.begin(), points.end()};
+  return agreeing_points(map.levels().front(), points, submap_from_body);
+}
+
 void ScanFollower::keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                            FollowedScan& followed) const {
   const WeakDirection weak = weak_direction(points);
@@ -116,10 +132,14 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   followed.local_from_body = guess.local_from_body;
   auto fit = match_scan_to_map(map.levels(), points, start, &prior, {options_.match_iterations});
   const bool poor = !fit || contradicted(*fit, points.size());
+  // Where scan and map hardly tell two poses apart, the one that the motion so far expects is right.
+  const auto better = [&](const ScanToMapFit& a, const ScanToMapFit& b) {
+    return cost_of(a, points.size(), prior) < cost_of(b, points.size(), prior);
+  };
   followed.searched = poor || guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
   if (followed.searched) {
     const auto other = searched(map, points, guess, poor);
-    if (other && (!fit || other->score > fit->score)) fit = other;
+    if (other && (!fit || (poor ? other->score > fit->score : better(*other, *fit)))) fit = other;
   }
   if (!fit) return followed;
   followed.score = fit->score;
@@ -132,7 +152,7 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   } else {
     followed.local_from_body = map.local_from_submap() * fit->map_from_body;
   }
-  keep_guess_where_unseen(points, guess, followed);
+  keep_guess_where_unseen(structure(map, points, fit->map_from_body), guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "rastro/math/se2.h"
 #include "rastro/registration/scan_to_map.h"
@@ -32,7 +33,8 @@ struct FollowedScan {
 struct ScanGuess {
   SE2 local_from_body;
   double sigma_m = 0.1, sigma_rad = 0.1;
-  bool trusted = true;  ///< False: the guess is only the last pose and must not act as a prior.
+  bool trusted = true;    ///< False: the guess is only the last pose and must not act as a prior.
+  bool measured = false;  ///< By odometry; else the motion is assumed to go on as it was.
 };
 
 /// Matches scans one after the other to the map that grows with them (Kohlbrecher et al. 2011, section IV).
@@ -46,6 +48,8 @@ class ScanFollower {
   bool contradicted(const ScanToMapFit& fit, std::size_t points) const;
   std::optional<ScanToMapFit> searched(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                        bool poor) const;
+  static std::vector<Eigen::Vector2d> structure(const Submap& map, std::span<const Eigen::Vector2d> points,
+                                                const SE2& submap_from_body);
   void keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                FollowedScan& followed) const;
 

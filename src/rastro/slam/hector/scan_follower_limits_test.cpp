@@ -29,6 +29,10 @@ struct RoomToFollow {
     for (std::size_t k = 0; k < 40; k += 4)
       submap.insert(returns_of(drive.scan(k), options), drive.ground_truth(k), k / 4);
   }
+  /// Surfaces count where the map has them.
+  void map_points() {
+    for (std::size_t k = 0; k < 5; ++k) submap.insert({ground_truth.translation(), points}, ground_truth, k);
+  }
   FollowedScan follow(const SE2& off, double sigma_m, double sigma_rad, bool trusted = false) {
     return ScanFollower(options).follow(submap, points, {ground_truth * off, sigma_m, sigma_rad, trusted});
   }
@@ -144,6 +148,7 @@ TEST(ScanFollowerLimits, SurfacesAreReadFromNeighboringReturnsThatAreNotTooFarAp
       for (int k = 0; k < 2; ++k) room.points.emplace_back(1.0 + 0.005 * k, -3.0 + between * row);
     room.options.degenerate_ratio = 0.3;
     room.options.min_score = 0.0;
+    room.map_points();
     const FollowedScan followed = room.follow(SE2(), 0.05, 0.02);
     ASSERT_TRUE(followed.fits);
     ASSERT_TRUE(followed.unseen_direction);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "rastro/registration/scan_to_map.h"
 #include "rastro/slam/hector/hector_testing.h"
 
@@ -88,6 +91,54 @@ TEST(ScanFollower, AScanThatFitsNowhereKeepsTheGuess) {
   EXPECT_TRUE(followed.searched);
   EXPECT_FALSE(followed.fits);
   EXPECT_EQ(followed.local_from_body.matrix(), guess.local_from_body.matrix());
+}
+
+/// A corridor without ends in sight, and a body that is somewhere else in each scan, if there is one.
+struct BareCorridor {
+  HectorOptions options;
+  WalledDrive drive;
+  Submap submap{options, SE2()};
+
+  BareCorridor() {
+    drive.walls.add_box(-40.0, -1.0, 40.0, 1.0);
+    drive.reach_m = 6.0;
+    drive.beams = 720;
+    drive.world_from_body = {pose_of(0.0, 0.1, 0.0)};
+    drive.go(pose_of(0.05, 0.0, 0.0), 30);
+    for (std::size_t k = 0; k < 30; k += 4)
+      submap.insert(returns_of(drive.scan(k), options), drive.ground_truth(k), k / 4);
+  }
+  /// Legs of half a meter in front of the robot.
+  std::vector<Eigen::Vector2d> points_with_person(std::size_t k) const {
+    std::vector<Eigen::Vector2d> points = returns_of(drive.scan(k), options).points;
+    const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+    std::vector<Eigen::Vector2d> legs;
+    for (int i = 0; i < 60; ++i) legs.emplace_back(0.6 + 0.02 * std::abs(i - 30) / 30.0, -0.3 + 0.01 * i);
+    points.insert(middle, legs.begin(), legs.end());
+    return points;
+  }
+};
+
+TEST(ScanFollower, APersonWhoWalksByIsNoStructureOfABareCorridor) {
+  BareCorridor corridor;
+  const SE2 expected = corridor.drive.ground_truth(29);
+  const ScanGuess guess{expected, 0.05, 0.05};
+  const FollowedScan followed =
+      ScanFollower(corridor.options).follow(corridor.submap, corridor.points_with_person(29), guess);
+  ASSERT_TRUE(followed.fits);
+  ASSERT_TRUE(followed.unseen_direction);
+  EXPECT_GT(std::abs(followed.unseen_direction->x()), 0.99);
+  EXPECT_NEAR(followed.local_from_body.translation().x(), expected.translation().x(), 0.005);
+}
+
+TEST(ScanFollower, OfAFewScansNothingTellsWhoWalks) {
+  BareCorridor corridor;
+  Submap young(corridor.options, SE2());
+  young.insert(returns_of(corridor.drive.scan(0), corridor.options), SE2(), 0);
+  const FollowedScan followed =
+      ScanFollower(corridor.options).follow(young, corridor.points_with_person(0), ScanGuess{SE2(), 0.05, 0.05});
+  ASSERT_TRUE(followed.fits);
+  EXPECT_FALSE(followed.unseen_direction);
 }
 
 }  // namespace
