@@ -2,6 +2,7 @@
 #include "rastro/slam/ekf/association.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -62,7 +63,7 @@ class Associator {
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].is_candidate() != candidates || !alike(observation, records_[i])) continue;
-      if (is_unsure(expected_[i], observation.covariance.trace(), options_)) continue;
+      if (is_unsure(expected_[i], std::max(observation.covariance.trace(), records_[i].noise_m2), options_)) continue;
       const double found = distance(observation, i);
       if (found < best.distance) {
         second = best.distance;

@@ -133,5 +133,14 @@ TEST(LandmarkAssociation, ASensorThatIsNoBetterThanTheDriftIsAssociatedByDistanc
   EXPECT_EQ(map.kind_of(coarse), Kind::landmark);
 }
 
+TEST(LandmarkAssociation, ALandmarkThatWasOnlyObservedFromAfarIsAssociatedByDistance) {
+  KnownLandmarks map;
+  map.filter.add({5.0, 0.0}, 0.3 * Eigen::Matrix2d::Identity());
+  map.records.push_back({0, LandmarkKind::given, -1, 0.0, 5, 0, 0.6});
+  EXPECT_EQ(map.kind_of(observation_at(5.5, 0.0)), Kind::landmark);
+  map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());
+  EXPECT_EQ(map.kind_of(observation_at(5.5, 0.0)), Kind::fresh) << "now by drift";
+}
+
 }  // namespace
 }  // namespace rastro

@@ -2,18 +2,17 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "rastro/map/landmarks/landmark_layer.h"
-#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/ekf/association.h"
+#include "rastro/slam/ekf/body_motion.h"
 #include "rastro/slam/ekf/filter.h"
-#include "rastro/slam/ekf/frozen_odometry.h"
-#include "rastro/slam/ekf/motion_model.h"
-#include "rastro/slam/ekf/odometry_check.h"
+#include "rastro/slam/ekf/joint_compatibility.h"
+#include "rastro/slam/ekf/keyframe_map.h"
+#include "rastro/slam/ekf/landmark_room.h"
 #include "rastro/slam/ekf/options.h"
+#include "rastro/slam/ekf/stamp_check.h"
 #include "rastro/slam/map_budget.h"
 #include "rastro/slam/slam.h"
 
@@ -31,7 +30,7 @@ class EkfSlam : public Slam {
 
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
-  Trajectory trajectory() const override { return trajectory_; }
+  Trajectory trajectory() const override { return keyframes_.trajectory(); }
   std::shared_ptr<const Map> snapshot() const override;
   void reset() override;
   bool set_mapping(bool on) override;
@@ -41,20 +40,9 @@ class EkfSlam : public Slam {
   const EkfFilter& filter() const { return filter_; }
 
  private:
-  struct LastFrame {
-    std::optional<TimeNs> stamp;  ///< Nothing before the first frame.
-    std::optional<SE2> odometry;  ///< Nothing where the frame had none.
-    SE2 motion;                   ///< The last that odometry told, over `seconds`.
-    double seconds = 0.0;
-  };
-
+  bool is_in_time(const Frame& frame, SlamUpdate& update);
   void predict(const Frame& frame, SlamUpdate& update);
-  Motion motion_since_last(const Frame& frame, SlamUpdate& update);
-  Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
-  Motion unknown_motion(double frame_seconds) const;
-  Motion motion_after_frozen(const SE2& last_from_body, SlamUpdate& update);
-  std::vector<LandmarkAssociation> recognize(const Frame& frame, std::span<const BodyObservation> observations,
-                                             SlamUpdate& update);
+  std::vector<LandmarkAssociation> recognize(std::span<const BodyObservation> observations, SlamUpdate& update);
   std::vector<BodyObservation> see(const Frame& frame, SlamUpdate& update) const;
   void correct(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
                SlamUpdate& update);
@@ -63,41 +51,34 @@ class EkfSlam : public Slam {
              SlamUpdate& update);
   void observe(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations);
   void recognize_place(SlamUpdate& update);
+  void unite(const LandmarkPair& pair);
   void remove_landmark(std::size_t landmark);
-  bool has_room() const;
   void confirm(std::size_t landmark, SlamUpdate& update);
+  bool may_confirm() const;
+  bool is_full() const;
   void forget_candidates();
-  void keep(const Frame& frame, SlamUpdate& update);
-  void add_keyframe(const Frame& frame, const SE3& world_from_body);
-  void keep_scan(const LaserScan& scan, const SE2& world_from_body);
+  void keep(const Frame& frame, std::span<const LandmarkAssociation> associations, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
-  bool thin_scans();
-  std::size_t landmark_bytes() const;
   std::size_t map_bytes() const;
   void say_pose(SlamUpdate& update) const;
-  std::shared_ptr<const LandmarkLayer> landmarks() const;
+  std::int64_t frame_number() const { return static_cast<std::int64_t>(keyframes_.frames()); }
 
   EkfOptions options_;
   bool scans_expected_;
   SE2 initial_pose_;
   MapBudget budget_;
+  LandmarkRoom room_;
   bool maps_ = true;
   EkfFilter filter_;
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
   std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.
   bool place_grew_ = false;              ///< A landmark was observed often enough in this frame.
-  OdometryCheck odometry_check_;
-  FrozenOdometry frozen_odometry_;
 
-  LastFrame last_;
+  StampCheck stamps_;
+  BodyMotion motion_;
   double blind_m_ = 0.0;  ///< Path length since a landmark was last recognized.
-
+  KeyframeMap keyframes_;
   std::vector<FeatureObservation> observations_;
-  Trajectory trajectory_;
-  std::vector<KeyframeId> keyframe_of_frame_;  ///< One per frame of the trajectory.
-  std::vector<Keyframe> keyframes_;
-  std::vector<KeyframeScans> scans_;             ///< One per keyframe, up to the next one, in its body frame.
-  std::size_t scans_seen_ = 0, scan_bytes_ = 0;  ///< Scans offered for the grid; memory of those kept.
 };
 
 }  // namespace rastro

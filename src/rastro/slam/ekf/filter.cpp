@@ -183,11 +183,17 @@ void EkfFilter::remove(std::size_t number) {
   covariance_.block<2, 2>(to, to) = covariance_.block<2, 2>(from, from);
 }
 
+/// By a quarter, since memory grows with the square.
 void EkfFilter::reserve(Eigen::Index size) {
   if (size <= mean_.size()) return;
-  const Eigen::Index capacity = std::max(size, 2 * mean_.size());
+  const Eigen::Index capacity = std::max(size, std::min(mean_.size() + mean_.size() / 4, row_of(most_)));
   mean_.conservativeResize(capacity);
   covariance_.conservativeResize(capacity, capacity);
+}
+
+/// The covariance, the mean, and three times two columns of an update.
+std::size_t EkfFilter::bytes_for(Eigen::Index size) {
+  return sizeof(double) * static_cast<std::size_t>(size * size + 7 * size);
 }
 
 }  // namespace rastro

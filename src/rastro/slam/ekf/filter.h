@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 #include "rastro/math/se2.h"
 
@@ -57,6 +59,13 @@ class EkfFilter {
   /// Removes a landmark; the last one takes its number.
   void remove(std::size_t number);
 
+  /// There will be no more landmarks than this: no memory is taken for more in advance.
+  void expect_at_most(std::size_t landmarks) { most_ = landmarks; }
+  /// Memory taken, with what is for landmarks to come.
+  std::size_t bytes() const { return bytes_for(mean_.size()); }
+  /// Memory of so many landmarks without any to come.
+  static std::size_t bytes_of(std::size_t landmarks) { return bytes_for(row_of(landmarks)); }
+
  private:
   using Own = Eigen::Matrix<double, 5, 5>;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
@@ -76,9 +85,11 @@ class EkfFilter {
   void times_derivative(std::size_t number, const Derivative& H, Columns& product) const;
   void shrink(const Columns& PHt, const Columns& gain, const Columns& rest);
   void reserve(Eigen::Index size);
+  static std::size_t bytes_for(Eigen::Index size);
 
   std::size_t count_ = 0;
-  // Grown by doubling; entries beyond size() and above the diagonal are undefined.
+  std::size_t most_ = std::numeric_limits<std::uint32_t>::max();
+  // Grown in steps; entries beyond size() and above the diagonal are undefined.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
   Columns cross_, gain_, rest_;  // Kept between updates to reuse their memory.

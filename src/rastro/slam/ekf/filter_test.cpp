@@ -277,5 +277,18 @@ TEST(EkfFilter, PredictionIncreasesTheCovarianceAndAnUpdateReducesIt) {
   EXPECT_LT(filter.body_covariance().trace(), 0.99 * (predicted.topLeftCorner<3, 3>().trace()));
 }
 
+TEST(EkfFilter, TakesLittleMoreMemoryThanItsLandmarksNeed) {
+  EkfFilter filter, bounded;
+  bounded.expect_at_most(40);
+  for (int i = 0; i < 40; ++i) {
+    filter.add({3.0, 0.1 * i}, sensor_noise);
+    bounded.add({3.0, 0.1 * i}, sensor_noise);
+    EXPECT_GE(bounded.bytes(), EkfFilter::bytes_of(bounded.landmarks()));
+  }
+  EXPECT_GE(filter.bytes(), EkfFilter::bytes_of(40));
+  EXPECT_LT(filter.bytes(), EkfFilter::bytes_of(40) * 8 / 5);
+  EXPECT_EQ(bounded.bytes(), EkfFilter::bytes_of(40));
+}
+
 }  // namespace
 }  // namespace rastro

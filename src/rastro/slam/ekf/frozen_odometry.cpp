@@ -13,7 +13,7 @@ constexpr int fewest_unmoved = 3, fewest_landmarks = 2;
 /// A sum of squared Mahalanobis distances above its mean by this many of its standard deviations is no chance.
 constexpr double clear_sigmas = 6.0;
 /// People who walk by change fewer beams.
-constexpr double moved_share = 0.4, still_share = 0.15, clear_m = 0.15, clear_range_share = 0.03;
+constexpr double moved_share = 0.4, still_share = 0.15;
 
 }  // namespace
 
@@ -31,32 +31,38 @@ void FrozenOdometry::add(const Frame& frame) {
 }
 
 void FrozenOdometry::add_unmoved(const Frame& frame) {
+  // Odometry that changed and is the same again may be slower than the frames.
+  if (unmoved_ == 0) frozen_ = false;
   ++unmoved_;
   if (frozen_ || !frame.scan) return;
   if (!scan_) {
     scan_ = *frame.scan;
   } else if (unmoved_ >= fewest_unmoved) {
-    const double changed = changed_share(*frame.scan);
+    const double changed = changed_share(*frame.scan, 0.15, 0.03).value_or(0.0);
     frozen_ = changed > moved_share;
     scan_still_ = changed < still_share;
+    if (changed_share(*frame.scan, 0.04, 0.01).value_or(1.0) < still_share) stood_ = now_;
   }
 }
 
 void FrozenOdometry::add_moved(const Frame& frame) {
-  const double seconds = 1e-9 * static_cast<double>(now_ - since_);
-  const double blind = 1e-9 * static_cast<double>(now_ - std::max(since_, recognized_));
+  // Before it was seen to move, it may have stood for long.
+  const TimeNs moved = frozen_ ? std::max(since_, stood_) : since_;
+  const double blind = to_seconds(now_ - std::max(moved, recognized_));
   if (unmoved_ >= fewest_unmoved && blind_ >= std::min(unmoved_, most_blind))
-    thaw_ = Thaw{seconds, blind / seconds, frozen_};
+    thaw_ = Thaw{to_seconds(now_ - since_), blind / to_seconds(now_ - moved), frozen_};
   // Its first step is no motion since the last frame unless nothing else told how the body moved.
   frozen_ = frozen_ && !thaw_ && unmoved_ > 0;
   unmoved_ = 0;
-  since_ = frame.stamp;
+  since_ = stood_ = frame.stamp;
+  if (!frozen_) told_ = now_;
   scan_.reset();
   scan_still_ = false;
 }
 
-double FrozenOdometry::changed_share(const LaserScan& scan) const {
-  if (scan.ranges.size() != scan_->ranges.size()) return 0.0;
+std::optional<double> FrozenOdometry::changed_share(const LaserScan& scan, double clear_m,
+                                                    double clear_range_share) const {
+  if (scan.ranges.size() != scan_->ranges.size()) return std::nullopt;
   int seen = 0, changed = 0;
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     if (!scan.is_return(beam) || !scan_->is_return(beam)) continue;
@@ -64,7 +70,7 @@ double FrozenOdometry::changed_share(const LaserScan& scan) const {
     const double before = scan_->ranges[beam];
     changed += std::abs(scan.ranges[beam] - before) > clear_m + clear_range_share * before ? 1 : 0;
   }
-  return seen > 0 ? static_cast<double>(changed) / seen : 0.0;
+  return seen > 0 ? std::optional<double>(static_cast<double>(changed) / seen) : std::nullopt;
 }
 
 void FrozenOdometry::judge(std::span<const LandmarkAssociation> associations) {
@@ -89,7 +95,7 @@ void FrozenOdometry::end_frame(std::span<const LandmarkAssociation> associations
     return one.kind == LandmarkAssociation::Kind::landmark;
   });
   blind_ = recognized ? 0 : blind_ + 1;
-  if (recognized) recognized_ = now_;
+  if (recognized) recognized_ = told_ = now_;
 }
 
 }  // namespace rastro

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <span>
 
+#include "rastro/base/time.h"
 #include "rastro/math/se2.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/slam/ekf/association.h"
@@ -25,14 +25,16 @@ class FrozenOdometry {
   bool frozen() const { return frozen_; }
   /// Frozen, and without a landmark for so long that the next one could be mistaken for another.
   bool lost() const { return frozen_ && blind_ > most_blind; }
-  /// Frames up to this one, one at least, over which neither odometry nor a landmark told the motion.
-  int unknown_frames() const { return std::max(1, std::min(unmoved_, blind_ + 1)); }
+  /// The last frame had a landmark.
+  bool recognized() const { return blind_ == 0; }
+  /// Time up to this frame in which neither odometry nor a landmark told the motion.
+  double unknown_seconds() const { return to_seconds(now_ - told_); }
 
   /// Odometry that changes again after it stayed the same, if no landmark told the motion lately. Its first step is of
   /// the whole time.
   struct Thaw {
     double seconds = 0.0;  ///< Over which it stayed the same.
-    double share = 1.0;    ///< Of them, without a landmark.
+    double share = 1.0;    ///< Of its part in which the body moved: without a landmark.
     bool frozen = false;   ///< The body was seen to move meanwhile.
   };
   /// With this frame.
@@ -43,11 +45,15 @@ class FrozenOdometry {
 
   void add_unmoved(const Frame& frame);
   void add_moved(const Frame& frame);
-  double changed_share(const LaserScan& scan) const;
+  /// Share of the beams that differ from that scan by more than `clear_m` and that share of their range; nullopt where
+  /// none can be compared.
+  std::optional<double> changed_share(const LaserScan& scan, double clear_m, double clear_range_share) const;
 
   std::optional<SE2> last_;
   std::optional<LaserScan> scan_;  ///< The first while odometry stayed the same.
   TimeNs since_ = 0;               ///< When odometry had its value first.
+  TimeNs stood_ = 0;               ///< The last time that the scan was exactly as then.
+  TimeNs told_ = 0;                ///< When odometry or a landmark told the motion last.
   TimeNs now_ = 0, recognized_ = 0;
   int unmoved_ = 0;  ///< Frames in which it was the same.
   int blind_ = 0;    ///< Frames in a row without a recognized landmark.

@@ -108,5 +108,29 @@ TEST(FrozenOdometry, WhereLandmarksToldItsFirstStepIsNone) {
   EXPECT_FALSE(told.frozen());
 }
 
+TEST(FrozenOdometry, OdometryThatIsSlowerThanTheFramesIsBelievedAgain) {
+  FrozenOdometry odometry = after_20_frames(-0.05F, fit, fit);
+  ASSERT_TRUE(odometry.frozen());
+  for (int k = 30; k < 40; ++k) {
+    odometry.add(frame_at(k, 1.5 + 0.1 * (k / 2), 4.0F));
+    EXPECT_EQ(odometry.frozen(), k == 30) << k;
+    see(odometry, fit);
+  }
+}
+
+TEST(FrozenOdometry, TheTimeBeforeTheBodyMovedIsNoPartOfTheMotion) {
+  const std::vector<LandmarkAssociation> none;
+  FrozenOdometry odometry;
+  for (int k = 0; k < 80; ++k) {  // it stands from frame 9 to 60
+    odometry.add(frame_at(k, 0.05 * std::min(k, 9), 5.0F - 0.05F * static_cast<float>(std::max(0, k - 60))));
+    see(odometry, k <= 60 ? fit : none);
+  }
+  ASSERT_TRUE(odometry.frozen());
+  odometry.add(frame_at(80, 1.5, 4.0F));
+  ASSERT_TRUE(odometry.thaw());
+  EXPECT_NEAR(odometry.thaw()->seconds, 7.1, 1e-9);
+  EXPECT_NEAR(odometry.thaw()->share, 1.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace rastro

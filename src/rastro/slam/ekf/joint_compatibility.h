@@ -12,8 +12,8 @@
 namespace rastro {
 
 /// Whether drift makes it unsafe to associate an observation with this landmark by distance alone: its position
-/// relative to the body is less certain than `unsure_m`, and that is not due to `noise_m2`, the trace of an
-/// observation's covariance.
+/// relative to the body is less certain than `unsure_m`, and that is not due to `noise_m2`, the trace of the covariance
+/// of the observation or of those of before.
 bool is_unsure(const EkfFilter::Expected& expected, double noise_m2, const EkfOptions& options);
 
 /// A landmark of the last meters and the same one as it was mapped long before, by their numbers in the filter.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace rastro {
@@ -24,13 +25,26 @@ Motion measured_motion(const SE2& last_from_body, const EkfOptions& options) {
   return {last_from_body, Eigen::Vector3d(along, along, angle).asDiagonal()};
 }
 
-Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options) {
+Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options,
+                      double unknown_seconds) {
   // Limited to a few times the last step: the robot may have stopped during a pause.
   const double share = last_seconds > 0.0 ? std::clamp(seconds / last_seconds, 0.0, 5.0) : 0.0;
-  const double time = std::min(seconds, 10.0);
-  const double variance = square(options.unknown_speed_m_per_s * time);
-  const double angle = square(options.unknown_yaw_rate_deg_per_s * radians_per_degree * time);
-  return {SE2::exp(share * last_motion.log()), Eigen::Vector3d(variance, variance, std::min(angle, 4.0)).asDiagonal()};
+  const double until = unknown_seconds + std::min(seconds, longest_pause_s);
+  return {SE2::exp(share * last_motion.log()), unknown_covariance(unknown_seconds, until, options)};
+}
+
+Eigen::Matrix3d unknown_covariance(double from_seconds, double to_seconds, const EkfOptions& options) {
+  constexpr double lasting_s = 10.0, all_round_rad2 = 4.0;
+  const auto variance = [&](double rate, double seconds) {
+    return square(rate) * seconds * std::min(seconds, lasting_s);
+  };
+  const auto gained = [&](double rate, double most) {
+    const double before = std::min(variance(rate, from_seconds), most);
+    return std::max(0.0, std::min(variance(rate, to_seconds), most) - before);
+  };
+  const double position = gained(options.unknown_speed_m_per_s, std::numeric_limits<double>::infinity());
+  const double angle = gained(options.unknown_yaw_rate_deg_per_s * radians_per_degree, all_round_rad2);
+  return Eigen::Vector3d(position, position, angle).asDiagonal();
 }
 
 bool is_jump(const SE2& last_from_body, double seconds, const EkfOptions& options) {

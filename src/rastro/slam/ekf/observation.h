@@ -38,7 +38,8 @@ struct LandmarkRecord {
   double direction = 0.0;  ///< As in BodyObservation, in the world.
   int observations = 0;
   std::int64_t last_frame = 0;  ///< Frame of the last observation.
-  double noise_m2 = 0.0;        ///< Trace of the covariance of the last observation.
+  /// Trace of the least covariance of the observations that corrected it; of a candidate, of the first.
+  double noise_m2 = 0.0;
 
   bool is_candidate() const { return id < 0; }
 };

@@ -70,13 +70,14 @@ void add_jump_options(OptionTable& table, EkfOptions& o) {
              100,
              {}});
   table.add({"jump_deg", &o.jump_deg, "deg", "as jump_m, for rotations", 0, 180, {}});
-  table.add({"unknown_speed_m_per_s",
-             &o.unknown_speed_m_per_s,
-             "m/s",
-             "standard deviation of the speed where odometry is missing or has jumped",
-             0.001,
-             100,
-             {}});
+  table.add(
+      {"unknown_speed_m_per_s",
+       &o.unknown_speed_m_per_s,
+       "m/s",
+       "standard deviation of the speed where odometry is missing or has jumped, by one error that lasts for 10 s",
+       0.001,
+       100,
+       {}});
   table.add({"unknown_yaw_rate_deg_per_s",
              &o.unknown_yaw_rate_deg_per_s,
              "deg/s",
@@ -194,7 +195,8 @@ void add_candidate_options(OptionTable& table, EkfOptions& o) {
   table.add({"max_landmarks",
              &o.max_landmarks,
              "",
-             "maximum number of landmarks: the time of an update grows with its square",
+             "maximum number of landmarks, a twentieth of it for candidates alone: the time of an update grows with "
+             "its square",
              1,
              20000,
              {}});

@@ -50,6 +50,7 @@ std::vector<BodyObservation> scan_observations(const LaserScan& scan, const EkfO
 
 std::vector<Eigen::Vector2d> returns_in(const LaserScan& scan, const SE2& frame_from_laser) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(scan.ranges.size());
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     if (!scan.is_return(beam)) continue;
     const double angle = scan.angle_of(beam), range = static_cast<double>(scan.ranges[beam]);
