@@ -38,6 +38,7 @@ FinalRefinement::FinalRefinement(const LsdOptions& options, const SemiDenseGraph
     PhotometricKeyframe& keyframe = keyframes_[static_cast<std::size_t>(id)];
     const Sim3& pose = graph.pose(id);
     keyframe.image = graph.keyframe(id).image.view();
+    keyframe.mask = graph.keyframe(id).mask.view();
     keyframe.camera_from_world = SE3(pose.rotation(), pose.translation()).inverse();
     keyframe.fixed = submaps.insert(graph.submap(id)).second || graph.keyframe(id).image.empty();
     choose_points(id);

@@ -4,126 +4,19 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
+
+#include "rastro/slam/lsd/refinement/photometric_samples.h"
 
 namespace rastro {
 namespace {
 
-struct Offset {
-  int x, y;
-};
-constexpr std::array<Offset, 7> pattern = {{{0, 0}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, -1}}};
-constexpr int border_px = 4;
 constexpr double least_inverse_depth = 1e-6;
-constexpr std::size_t least_pixels = 50;  // of a pair of keyframes, to know its gain and offset
 
 double huber_cost(double residual, double huber) {
   const double size = std::abs(residual);
   return size <= huber ? 0.5 * size * size : huber * (size - 0.5 * huber);
-}
-
-/// Bilinear.
-double intensity_at(const GrayView& image, double x, double y) {
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const double right = x - left, bottom = y - top;
-  const std::uint8_t* upper = image.row(top) + left;
-  const std::uint8_t* lower = image.row(top + 1) + left;
-  return (1.0 - bottom) * ((1.0 - right) * upper[0] + right * upper[1]) +
-         bottom * ((1.0 - right) * lower[0] + right * lower[1]);
-}
-
-double squared_gradient_at(const GrayView& image, int x, int y) {
-  const double across = 0.5 * (image.row(y)[x + 1] - image.row(y)[x - 1]),
-               upright = 0.5 * (image.row(y + 1)[x] - image.row(y - 1)[x]);
-  return across * across + upright * upright;
-}
-
-/// One pixel of a point's pattern as another keyframe sees it.
-struct Sample {
-  std::size_t point = 0;
-  Eigen::Vector2d ray;        ///< In the host.
-  Eigen::Vector3d direction;  ///< In the target, times the inverse depth there.
-  double host = 0.0, target = 0.0;
-  double squared_gradient = 0.0;  ///< Of the host's intensity.
-  Eigen::Vector2d gradient;       ///< Of the target's.
-};
-
-/// Where points of `host` that `target` sees lie in it, with intensities.
-class PairSampler {
- public:
-  PairSampler(const PhotometricKeyframe& host, const PhotometricKeyframe& target, const Camera& camera)
-      : host_(host),
-        target_(target),
-        camera_(camera),
-        target_from_host_(target.camera_from_world * host.camera_from_world.inverse()),
-        rotation_(target_from_host_.rotation().matrix()) {}
-
-  const SE3& target_from_host() const { return target_from_host_; }
-
-  /// Appends the samples of a point, all of its pattern or none.
-  void add(std::size_t index, std::vector<Sample>& samples) const {
-    const PhotometricPoint& point = host_.points[index];
-    const std::size_t before = samples.size();
-    for (const Offset& offset : pattern) {
-      const auto sample = sample_of(index, point, offset);
-      if (!sample) return samples.resize(before);
-      samples.push_back(*sample);
-    }
-  }
-
- private:
-  std::optional<Sample> sample_of(std::size_t index, const PhotometricPoint& point, const Offset& offset) const {
-    Sample sample;
-    sample.point = index;
-    const int x = point.x + offset.x, y = point.y + offset.y;
-    sample.ray = {(x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy};
-    sample.direction = rotation_ * sample.ray.homogeneous() + point.inverse_depth * target_from_host_.translation();
-    if (sample.direction.z() < 1e-3) return std::nullopt;
-    const double u = camera_.fx * sample.direction.x() / sample.direction.z() + camera_.cx,
-                 v = camera_.fy * sample.direction.y() / sample.direction.z() + camera_.cy;
-    if (!(u >= border_px && v >= border_px && u < target_.image.width - border_px - 1 &&
-          v < target_.image.height - border_px - 1))
-      return std::nullopt;
-    sample.host = host_.image.row(y)[x];
-    sample.squared_gradient = squared_gradient_at(host_.image, x, y);
-    sample.target = intensity_at(target_.image, u, v);
-    sample.gradient =
-        0.5 * Eigen::Vector2d(intensity_at(target_.image, u + 1, v) - intensity_at(target_.image, u - 1, v),
-                              intensity_at(target_.image, u, v + 1) - intensity_at(target_.image, u, v - 1));
-    return sample;
-  }
-
-  const PhotometricKeyframe& host_;
-  const PhotometricKeyframe& target_;
-  const Camera& camera_;
-  SE3 target_from_host_;
-  Eigen::Matrix3d rotation_;
-};
-
-struct Brightness {
-  double gain = 1.0, offset = 0.0;
-  double residual(const Sample& sample) const { return sample.target - gain * sample.host - offset; }
-};
-
-/// That fits the samples, in two rounds: the second without outliers.
-Brightness brightness_of(const std::vector<Sample>& samples, double outlier) {
-  Brightness brightness;
-  if (samples.size() < least_pixels) return brightness;
-  for (int round = 0; round < 2; ++round) {
-    double n = 0.0, host = 0.0, target = 0.0, squares = 0.0, products = 0.0;
-    for (const Sample& sample : samples) {
-      if (round > 0 && std::abs(brightness.residual(sample)) > outlier) continue;
-      ++n, host += sample.host, target += sample.target;
-      squares += sample.host * sample.host, products += sample.host * sample.target;
-    }
-    const double spread = squares - host * host / std::max(1.0, n);
-    if (!(spread > 1.0)) return brightness;
-    brightness.gain = std::clamp((products - host * target / n) / spread, 0.2, 5.0);
-    brightness.offset = (target - brightness.gain * host) / n;
-  }
-  return brightness;
 }
 
 /// What one keyframe's points say of its own pose (first) and of its targets' (after it), their depths eliminated.
@@ -143,13 +36,14 @@ class HostLinearizer {
                  const PhotometricBundleOptions& options)
       : keyframes_(keyframes), host_(keyframes[host]), camera_(camera), options_(options) {
     for (const PhotometricPoint& point : host_.points)
-      for (const Offset& offset : pattern)
-        weights_ += weight_of(squared_gradient_at(host_.image, point.x + offset.x, point.y + offset.y));
+      if (const auto squared_gradients = squared_gradients_around(host_, point))
+        for (const double squared_gradient : *squared_gradients) weights_ += weight_of(squared_gradient);
   }
 
   double cost() const {
     double sum = 0.0;
-    for (const std::int32_t target : host_.targets) sum += for_pair(target, [](const Sample&, double, double) {});
+    for (const std::int32_t target : host_.targets)
+      sum += for_pair(target, [](const PhotometricSample&, double, double) {});
     for (const PhotometricPoint& point : host_.points) sum += measured_cost(point);
     return sum;
   }
@@ -193,15 +87,15 @@ class HostLinearizer {
   /// Calls `use` with each sample, its residual and its weight; returns the cost.
   template <typename Use>
   double for_pair(std::int32_t index, const Use& use) const {
-    const PairSampler sampler(host_, keyframes_[static_cast<std::size_t>(index)], camera_);
-    std::vector<Sample> samples;
-    samples.reserve(pattern.size() * host_.points.size());
+    const PhotometricSampler sampler(host_, keyframes_[static_cast<std::size_t>(index)], camera_);
+    std::vector<PhotometricSample> samples;
+    samples.reserve(photometric_pattern_size * host_.points.size());
     for (std::size_t i = 0; i < host_.points.size(); ++i) sampler.add(i, samples);
-    const Brightness brightness = brightness_of(samples, options_.outlier);
+    const PairBrightness brightness = brightness_of(samples, options_.outlier);
     const double most = huber_cost(options_.outlier, options_.huber);
     // What is out of view costs as much as a hidden point, so that nothing is gained by looking away.
     double cost = most * weights_;
-    for (const Sample& sample : samples) {
+    for (const PhotometricSample& sample : samples) {
       const double residual = brightness.residual(sample), size = std::abs(residual);
       const double weight = weight_of(sample.squared_gradient);
       cost += weight * (std::min(most, huber_cost(residual, options_.huber)) - most);
@@ -216,7 +110,7 @@ class HostLinearizer {
     const SE3 target_from_host = target.camera_from_world * host_.camera_from_world.inverse();
     const Eigen::Matrix3d rotation = target_from_host.rotation().matrix();
     const auto column = static_cast<Eigen::Index>(6 * (k + 1));
-    normal.cost += for_pair(host_.targets[k], [&](const Sample& sample, double residual, double weight) {
+    normal.cost += for_pair(host_.targets[k], [&](const PhotometricSample& sample, double residual, double weight) {
       const double inverse_depth = host_.points[sample.point].inverse_depth, inverse_z = 1.0 / sample.direction.z();
       const double x = sample.direction.x() * inverse_z, y = sample.direction.y() * inverse_z;
       // Of the intensity by the direction in the target.
@@ -250,7 +144,7 @@ class HostLinearizer {
   const PhotometricKeyframe& host_;
   const Camera& camera_;
   const PhotometricBundleOptions& options_;
-  double weights_ = 0.0;  ///< Of all pixels around all points, in view or not.
+  double weights_ = 0.0;  ///< Of all pixels around all points that are not masked, in view or not.
 };
 
 class PhotometricBundle {

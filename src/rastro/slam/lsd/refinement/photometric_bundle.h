@@ -27,6 +27,7 @@ struct PhotometricKeyframe {
   bool fixed = false;
   std::vector<PhotometricPoint> points;
   std::vector<std::int32_t> targets;  ///< Indices.
+  GrayView mask = {};                 ///< What is zero in it is not compared; empty: all is.
 };
 
 struct PhotometricBundleOptions {

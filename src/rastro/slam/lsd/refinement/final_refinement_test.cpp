@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/refinement/final_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "rastro/slam/lsd/refinement/plane_views_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::depth_at, testing::plane_camera, testing::PlaneViews;
+
+/// The views as keyframes of a map, each with the true depths of all pixels, and its pose as disturbed.
+SemiDenseGraph graph_of(const LsdOptions& options, const PlaneViews& views, const GrayImage& mask) {
+  const Camera camera = plane_camera();
+  SemiDenseGraph graph(options, false);
+  for (std::size_t k = 0; k < views.keyframes.size(); ++k) {
+    const auto id = static_cast<std::int64_t>(k);
+    SemiDenseKeyframe keyframe{id, id, id, views.images[k], InverseDepthMap(camera.width, camera.height)};
+    keyframe.mask = mask;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
+        keyframe.depth.mean.at(x, y) = static_cast<float>(1.0 / depth_at(views.world_from_camera[k], ray));
+        keyframe.depth.variance.at(x, y) = 1e-4F;
+      }
+    const SE3 pose = views.keyframes[k].camera_from_world.inverse();
+    graph.add(std::make_shared<const SemiDenseKeyframe>(std::move(keyframe)),
+              Sim3(1.0, pose.rotation(), pose.translation()), 0);
+  }
+  for (std::int64_t from = 0; from < graph.size(); ++from)
+    for (std::int64_t to = from + 1; to < graph.size(); ++to)
+      graph.add_edge({from, to, Sim3(), Matrix6d::Identity(), ConstraintKind::proximity});
+  return graph;
+}
+
+TEST(FinalRefinement, MaskedPixelsAreNotCompared) {
+  const LsdOptions options;
+  PlaneViews views;
+  views.disturb(7);
+  const LsdSensor sensor = single_camera(plane_camera());
+  const GrayImage nothing(plane_camera().width, plane_camera().height);
+  const SemiDenseGraph all = graph_of(options, views, {}), masked = graph_of(options, views, nothing);
+  FinalRefinement with_all(options, all, sensor), with_none(options, masked, sensor);
+  with_all.run(nullptr, [] { return false; }, {});
+  with_none.run(nullptr, [] { return false; }, {});
+  EXPECT_TRUE(with_all.is_better());
+  EXPECT_FALSE(with_none.is_better());
+}
+
+}  // namespace
+}  // namespace rastro
