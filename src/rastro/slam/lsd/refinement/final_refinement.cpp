@@ -33,14 +33,15 @@ FinalRefinement::FinalRefinement(const LsdOptions& options, const SemiDenseGraph
       camera_(sensor.camera),
       is_metric_(sensor.is_metric()),
       keyframes_(static_cast<std::size_t>(graph.size())) {
-  std::set<int> submaps;
+  std::set<int> anchored;
   for (std::int64_t id = 0; id < graph.size(); ++id) {
     PhotometricKeyframe& keyframe = keyframes_[static_cast<std::size_t>(id)];
     const Sim3& pose = graph.pose(id);
     keyframe.image = graph.keyframe(id).image.view();
     keyframe.mask = graph.keyframe(id).mask.view();
     keyframe.camera_from_world = SE3(pose.rotation(), pose.translation()).inverse();
-    keyframe.fixed = submaps.insert(graph.submap(id)).second || graph.keyframe(id).image.empty();
+    // The first one that has an image left: what is compared with nothing holds nothing else in place.
+    keyframe.fixed = keyframe.image.empty() || anchored.insert(graph.submap(id)).second;
     choose_points(id);
   }
   choose_targets();

@@ -51,5 +51,22 @@ TEST(FinalRefinement, MaskedPixelsAreNotCompared) {
   EXPECT_FALSE(with_none.is_better());
 }
 
+/// Else what is left of the map would move as a whole, away from the keyframes without depths.
+TEST(FinalRefinement, TheFirstKeyframeThatIsLeftStaysWhenTheFirstOfAllWasForgotten) {
+  const LsdOptions options;
+  PlaneViews views;
+  views.disturb(7);
+  SemiDenseGraph graph = graph_of(options, views, {});
+  ASSERT_TRUE(graph.forget_oldest(4));
+  FinalRefinement refinement(options, graph, single_camera(plane_camera()));
+  refinement.run(nullptr, [] { return false; }, {});
+  ASSERT_TRUE(refinement.is_better());
+  const std::vector<Sim3> poses = refinement.poses();
+  for (const std::size_t kept : {0U, 1U})
+    EXPECT_LT((poses[kept].translation() - graph.pose(static_cast<std::int64_t>(kept)).translation()).norm(), 1e-9)
+        << kept;
+  EXPECT_GT((poses[2].translation() - graph.pose(2).translation()).norm(), 1e-5);
+}
+
 }  // namespace
 }  // namespace rastro
