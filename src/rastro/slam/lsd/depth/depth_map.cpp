@@ -15,7 +15,7 @@ namespace {
 
 constexpr int border = depth_border;
 constexpr int row_grain = 8;
-constexpr std::int8_t confirmed = -3;  // what was known before counts as seen so often
+constexpr std::int8_t confirmed = -3;  // what was known before, or measured, counts as seen so often
 
 GrayImage copy_of(GrayView image) {
   GrayImage copy(image.width, image.height);
@@ -136,7 +136,6 @@ void DepthMap::add_query(int x, int y, bool is_sensor, EpipolarQueries& queries)
 
 void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor,
                     DepthUpdate& update) {
-  constexpr std::int8_t seen = -1;  // a sensor confirms what it says itself
   for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
     const int x = static_cast<int>(queries.x[i]), y = static_cast<int>(queries.y[i]);
     const auto result = static_cast<EpipolarResult>(matches.result[i]);
@@ -145,7 +144,8 @@ void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& match
       fuse(x, y, matches.mean[i], matches.variance[i], update);
     else if (result == EpipolarResult::poor_match && queries.known)
       fail(x, y);
-    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
+    // A sensor confirms what it says itself: a single frame that shows something else there is no proof against it.
+    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = confirmed;
   }
 }
 

@@ -159,18 +159,23 @@ TEST(DepthMap, MaskedPixelsGiveNoDepth) {
   EXPECT_EQ(created({}, nothing.view()), 0);
 }
 
+/// Measures this depth, whatever is known.
+DepthMap::DepthSearch sensor_of(const DepthImage& truth, float variance = 1e-6F) {
+  return [&truth, variance](const EpipolarQueries& queries, EpipolarMatches& matches) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
+      const float depth = truth.at(static_cast<int>(queries.x[i]), static_cast<int>(queries.y[i]));
+      matches.result[i] = static_cast<int>(depth > 0.0F ? EpipolarResult::matched : EpipolarResult::outside);
+      matches.mean[i] = 1.0F / depth, matches.variance[i] = variance;
+    }
+  };
+}
+
 /// A sensor of its own is believed at once, and must agree with what was known.
 TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
   TaskPool pool(1);
   const RenderedFrame frame = hall().render(120, pool);
   DepthMap map(frame.gray.view(), hall().camera(), {});
-  const auto sensor = [&](const EpipolarQueries& queries, EpipolarMatches& matches) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
-      const float depth = frame.depth.at(static_cast<int>(queries.x[i]), static_cast<int>(queries.y[i]));
-      matches.result[i] = static_cast<int>(depth > 0.0F ? EpipolarResult::matched : EpipolarResult::outside);
-      matches.mean[i] = 1.0F / depth, matches.variance[i] = 1e-6F;
-    }
-  };
+  const DepthMap::DepthSearch sensor = sensor_of(frame.depth);
   const DepthUpdate update = map.measure(sensor);
   map.regularize();
   const DepthErrors errors = errors_of(map.inverse_depth(), frame.depth);
@@ -178,6 +183,26 @@ TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
   EXPECT_GT(errors.known, update.created / 2);
   EXPECT_GT(errors.within_5_percent, 0.95);
   EXPECT_EQ(map.measure(sensor).created, 0);
+}
+
+/// As where somebody walks through the view.
+TEST(DepthMap, WhatASensorMeasuredOutlivesAFrameThatShowsSomethingElse) {
+  TaskPool pool(1);
+  const RenderedFrame frame = hall().render(120, pool);
+  GrayImage negative = hall().render(126, pool).gray;
+  for (int y = 0; y < negative.height(); ++y)
+    for (int x = 0; x < negative.width(); ++x) negative.at(x, y) = static_cast<std::uint8_t>(255 - negative.at(x, y));
+  DepthMap map(frame.gray.view(), hall().camera(), {});
+  constexpr float variance = 1e-3F;  // so that stereo with a later frame is worth a search
+  map.measure(sensor_of(frame.depth, variance));
+  map.regularize();
+  const int before = errors_of(map.inverse_depth(), frame.depth).known;
+  const SE3 motion = (hall().world_from_camera(120).inverse() * hall().world_from_camera(126)).inverse();
+  const DepthUpdate update = map.observe(negative.view(), motion, 1.0, 0.0);
+  map.regularize();
+  const int failed = update.by_result[static_cast<std::size_t>(EpipolarResult::poor_match)] + update.contradicted;
+  ASSERT_GT(failed, before / 10);
+  EXPECT_LT(before - errors_of(map.inverse_depth(), frame.depth).known, failed / 10);
 }
 
 /// What nothing confirms is forgotten.
