@@ -141,7 +141,7 @@ void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& match
     const auto result = static_cast<EpipolarResult>(matches.result[i]);
     ++update.by_result[static_cast<std::size_t>(result)];
     if (result == EpipolarResult::matched)
-      fuse(x, y, matches.mean[i], matches.variance[i], update);
+      fuse(x, y, matches.mean[i], matches.variance[i], is_sensor, update);
     else if (result == EpipolarResult::poor_match && queries.known)
       fail(x, y);
     // A sensor confirms what it says itself: a single frame that shows something else there is no proof against it.
@@ -150,7 +150,7 @@ void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& match
 }
 
 /// As in a Kalman filter (equations 14 and 15).
-void DepthMap::fuse(int x, int y, float found, float found_variance, DepthUpdate& update) {
+void DepthMap::fuse(int x, int y, float found, float found_variance, bool is_sensor, DepthUpdate& update) {
   float &mean = depth_.mean.at(x, y), &variance = depth_.variance.at(x, y);
   if (!depth_.is_known(x, y)) {
     const auto most = static_cast<float>(options_.max_relative_sigma) * found;
@@ -165,7 +165,11 @@ void DepthMap::fuse(int x, int y, float found, float found_variance, DepthUpdate
   const float prior = static_cast<float>(options_.growth) * variance;
   if (!agree(mean, found, prior + found_variance, static_cast<float>(options_.max_sigmas))) {
     ++update.contradicted;
-    return fail(x, y);
+    if (!is_sensor) return fail(x, y);
+    // What was propagated may be hidden here; a match along a line may be wrong, a measurement of this image is not.
+    mean = found, variance = found_variance;
+    failures_.at(x, y) = confirmed;
+    return;
   }
   mean = (found_variance * mean + prior * found) / (prior + found_variance);
   // Frames at about the same place err alike: many of them tell little more than one.

@@ -55,7 +55,8 @@ class DepthMap {
                       TaskPool* pool = nullptr, GrayView mask = {});
   /// Finds inverse depths of a batch of pixels; called by many threads at once.
   using DepthSearch = std::function<void(const EpipolarQueries& queries, EpipolarMatches& matches)>;
-  /// What a sensor of its own measures at this very frame: static stereo, or a depth camera.
+  /// What a sensor of its own measures at this very frame: static stereo, or a depth camera. Where it contradicts what
+  /// is known, it replaces that.
   DepthUpdate measure(const DepthSearch& sensor, TaskPool* pool = nullptr);
   /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
   /// inverse_depth().
@@ -80,7 +81,7 @@ class DepthMap {
   DepthUpdate update_rows(int begin, int end, const DepthSearch& search, bool is_sensor);
   void take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor, DepthUpdate& update);
   void add_query(int x, int y, bool is_sensor, EpipolarQueries& queries) const;
-  void fuse(int x, int y, float found, float found_variance, DepthUpdate& update);
+  void fuse(int x, int y, float found, float found_variance, bool is_sensor, DepthUpdate& update);
   void fail(int x, int y);
   void forget(int x, int y);
   void find_fillings(int y, std::vector<Filling>& fillings) const;

@@ -170,7 +170,7 @@ DepthMap::DepthSearch sensor_of(const DepthImage& truth, float variance = 1e-6F)
   };
 }
 
-/// A sensor of its own is believed at once, and must agree with what was known.
+/// A sensor of its own is believed at once.
 TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
   TaskPool pool(1);
   const RenderedFrame frame = hall().render(120, pool);
@@ -183,6 +183,24 @@ TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
   EXPECT_GT(errors.known, update.created / 2);
   EXPECT_GT(errors.within_5_percent, 0.95);
   EXPECT_EQ(map.measure(sensor).created, 0);
+}
+
+TEST(DepthMap, WhatASensorMeasuresReplacesWhatItContradicts) {
+  TaskPool pool(1);
+  const RenderedFrame frame = hall().render(120, pool);
+  InverseDepthMap wrong(frame.depth.width(), frame.depth.height());
+  for (int y = 0; y < wrong.height(); ++y)
+    for (int x = 0; x < wrong.width(); ++x)
+      if (frame.depth.at(x, y) > 0.0F)
+        wrong.mean.at(x, y) = 2.0F / frame.depth.at(x, y), wrong.variance.at(x, y) = 1e-6F;
+  DepthMap map(frame.gray.view(), hall().camera(), {});
+  map.start_from(wrong);
+  const DepthUpdate update = map.measure(sensor_of(frame.depth));
+  map.regularize();
+  const DepthErrors errors = errors_of(map.inverse_depth(), frame.depth);
+  EXPECT_GT(update.contradicted, 5000);
+  EXPECT_GT(errors.known, update.contradicted / 2);
+  EXPECT_GT(errors.within_5_percent, 0.95);
 }
 
 /// As where somebody walks through the view.
