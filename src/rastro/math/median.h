@@ -35,4 +35,24 @@ inline double median(std::vector<double> values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
+struct WeightedValue {
+  double value = 0.0, weight = 1.0;
+};
+
+/// The value with half of the weights on either side, which minimizes the weighted sum of the distances to it. There
+/// must be at least one, and no weight below zero.
+inline double weighted_median(std::vector<WeightedValue> values) {
+  RASTRO_CHECK(!values.empty(), "a median needs at least one value");
+  std::sort(values.begin(), values.end(),
+            [](const WeightedValue& a, const WeightedValue& b) { return a.value < b.value; });
+  double whole = 0.0, below = 0.0;
+  for (const WeightedValue& each : values) whole += each.weight;
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+    below += values[i].weight;
+    if (below == 0.5 * whole) return 0.5 * (values[i].value + values[i + 1].value);
+    if (below > 0.5 * whole) return values[i].value;
+  }
+  return values.back().value;
+}
+
 }  // namespace rastro

@@ -41,5 +41,14 @@ TEST(Median, IsThatOfSortedValues) {
   }
 }
 
+TEST(WeightedMedian, HasHalfOfTheWeightsOnEitherSide) {
+  EXPECT_EQ(weighted_median({{7.0, 0.1}}), 7.0);
+  EXPECT_EQ(weighted_median({{3.0, 1.0}, {1.0, 1.0}, {2.0, 1.0}}), 2.0);
+  EXPECT_EQ(weighted_median({{4.0, 1.0}, {1.0, 1.0}, {9.0, 1.0}, {2.0, 1.0}}), 3.0) << "as without weights";
+  EXPECT_EQ(weighted_median({{3.0, 1.0}, {1.0, 5.0}, {2.0, 1.0}}), 1.0);
+  EXPECT_EQ(weighted_median({{1.0, 1.0}, {2.0, 1.0}, {3.0, 0.5}, {9.0, 8.0}}), 9.0);
+  EXPECT_ANY_THROW(weighted_median({}));
+}
+
 }  // namespace
 }  // namespace rastro

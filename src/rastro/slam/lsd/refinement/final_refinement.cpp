@@ -149,16 +149,29 @@ void FinalRefinement::scale_by_sensor() {
   }
 }
 
+/// Of a keyframe of one camera, that its depths in the map need. nullopt where too few points tell it.
+std::optional<double> FinalRefinement::scale_of(std::int64_t id) const {
+  std::vector<WeightedValue> scales;
+  const InverseDepthMap& depth = graph_.keyframe(id).depth;
+  for (const PhotometricPoint& point : keyframes_[static_cast<std::size_t>(id)].points) {
+    if (!(point.sigma > 0.0)) continue;  // It kept the depth that it had.
+    const auto mean = static_cast<double>(depth.mean.at(point.x, point.y)),
+               variance = static_cast<double>(depth.variance.at(point.x, point.y));
+    const double sigma =
+        std::sqrt(variance / (mean * mean) + point.sigma * point.sigma / (point.inverse_depth * point.inverse_depth));
+    // A median is most certain with the inverse of sigmas, as a mean is with that of variances.
+    scales.push_back({mean / point.inverse_depth, 1.0 / sigma});
+  }
+  if (scales.size() < least_points) return std::nullopt;
+  return weighted_median(std::move(scales));
+}
+
 std::vector<Sim3> FinalRefinement::poses() const {
   std::vector<Sim3> poses;
   for (std::int64_t id = 0; id < graph_.size(); ++id) {
-    const PhotometricKeyframe& keyframe = keyframes_[static_cast<std::size_t>(id)];
-    const SE3 world_from_keyframe = keyframe.camera_from_world.inverse();
-    std::vector<double> scales;
-    for (const PhotometricPoint& point : keyframe.points)
-      scales.push_back(static_cast<double>(graph_.keyframe(id).depth.mean.at(point.x, point.y)) / point.inverse_depth);
-    const bool keeps = is_metric_ || scales.size() < least_points;
-    const double scale = keeps ? graph_.pose(id).scale() : median(std::move(scales));
+    const SE3 world_from_keyframe = keyframes_[static_cast<std::size_t>(id)].camera_from_world.inverse();
+    const double before = graph_.pose(id).scale();
+    const double scale = is_metric_ ? before : scale_of(id).value_or(before);
     poses.emplace_back(scale, world_from_keyframe.rotation(), world_from_keyframe.translation());
   }
   return poses;

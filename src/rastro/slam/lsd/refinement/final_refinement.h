@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ class FinalRefinement {
   void choose_targets();
   std::vector<DepthRatio> ratios_of(std::int64_t id) const;
   void scale_by_sensor();
+  std::optional<double> scale_of(std::int64_t id) const;
 
   const LsdOptions& options_;
   const SemiDenseGraph& graph_;

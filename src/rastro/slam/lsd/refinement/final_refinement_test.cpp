@@ -68,5 +68,29 @@ TEST(FinalRefinement, TheFirstKeyframeThatIsLeftStaysWhenTheFirstOfAllWasForgott
   EXPECT_GT((poses[2].translation() - graph.pose(2).translation()).norm(), 1e-5);
 }
 
+/// Uncertain depths that all err to the same side are more than half of all.
+TEST(FinalRefinement, TheScaleOfAKeyframeIsThatOfItsCertainDepths) {
+  const LsdOptions options;
+  const PlaneViews views;
+  SemiDenseGraph graph = graph_of(options, views, {});
+  for (std::int64_t id = 0; id < graph.size(); ++id) {
+    SemiDenseKeyframe keyframe = graph.keyframe(id);
+    for (int y = 0; y < keyframe.depth.height(); ++y)
+      for (int x = 0; x < keyframe.depth.width(); ++x) {
+        const bool is_certain = (x / 8 + y / 8) % 5 < 2;
+        float& mean = keyframe.depth.mean.at(x, y);
+        const float sigma = (is_certain ? 0.01F : 0.06F) * mean;
+        if (!is_certain) mean *= 1.06F;
+        keyframe.depth.variance.at(x, y) = sigma * sigma;
+      }
+    graph.replace(std::make_shared<const SemiDenseKeyframe>(std::move(keyframe)));
+  }
+  FinalRefinement refinement(options, graph, single_camera(plane_camera()));
+  refinement.run(nullptr, [] { return false; }, {});
+  const std::vector<Sim3> poses = refinement.poses();
+  const double map_scale = poses.back().translation().norm() / views.world_from_camera.back().translation().norm();
+  for (const Sim3& pose : poses) EXPECT_NEAR(pose.scale() / map_scale, 1.0, 0.02);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -161,6 +161,7 @@ class PhotometricBundle {
       const std::vector<HostNormal> normals = linearize(damping);
       if (stopped()) break;
       ++result.iterations;
+      note_sigmas(normals);
       double cost = 0.0;
       result.residuals = 0;
       for (const HostNormal& normal : normals) cost += normal.cost, result.residuals += normal.residuals;
@@ -208,6 +209,14 @@ class PhotometricBundle {
     std::vector<HostNormal> normals(keyframes_.size());
     for_hosts([&](std::size_t i) { normals[i] = HostLinearizer(keyframes_, i, camera_, options_).linearize(damping); });
     return normals;
+  }
+
+  void note_sigmas(const std::vector<HostNormal>& normals) {
+    for (std::size_t k = 0; k < normals.size(); ++k)
+      for (std::size_t i = 0; i < normals[k].depth_information.size(); ++i) {
+        const double information = normals[k].depth_information[i];
+        keyframes_[k].points[i].sigma = information > 0.0 ? options_.intensity_sigma / std::sqrt(information) : 0.0;
+      }
   }
 
   /// The keyframe of a block of the host's equations.

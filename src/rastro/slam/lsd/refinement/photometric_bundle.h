@@ -18,6 +18,9 @@ struct PhotometricPoint {
   double inverse_depth = 1.0;
   double measured = 0.0;        ///< What a sensor says of it.
   double measured_sigma = 0.0;  ///< Its standard deviation; 0: there is no such sensor.
+  /// Found: standard deviation of the inverse depth, as if the poses were exact and no pixels erred alike. 0: unknown,
+  /// as no other keyframe shows the point.
+  double sigma = 0.0;
 };
 
 /// A keyframe of the bundle: an undistorted image, its pose, its points, and the keyframes that they are compared with.
