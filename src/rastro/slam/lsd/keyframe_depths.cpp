@@ -131,7 +131,7 @@ Sim3 KeyframeDepths::change_to(std::int64_t id, const LsdFrame& frame, const Ima
                                const SE3& depth_from_color) {
   const SE3& new_from_keyframe = tracked.image_from_reference;
   measure_again(frame.stamp, new_from_keyframe);
-  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, frame.mask.view());
+  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, tracked.gain, tracked.offset, frame.mask.view());
   const double mean = depth_.mean();
   const double unit = mean > 0.0 && !sensor_.is_metric() ? 1.0 / mean : 1.0;
   depth_.rescale(unit);

@@ -9,13 +9,15 @@
 
 #include "rastro/slam/lsd/depth/depth_kernels.h"
 #include "rastro/slam/lsd/depth/gradient_mask.h"
+#include "rastro/slam/lsd/depth/shown_alike.h"
 
 namespace rastro {
 namespace {
 
 constexpr int border = depth_border;
 constexpr int row_grain = 8;
-constexpr std::int8_t confirmed = -3;  // what was known before, or measured, counts as seen so often
+constexpr double pose_variance_px = 1.0;  // of where another keyframe shows a point, by its pose and between pixels
+constexpr std::int8_t confirmed = -3;     // what was known before, or measured, counts as seen so often
 
 GrayImage copy_of(GrayView image) {
   GrayImage copy(image.width, image.height);
@@ -29,6 +31,13 @@ void for_rows(int height, TaskPool* pool, const std::function<void(int begin, in
 
 bool agree(float a, float b, float variance, float sigmas = 2.0F) {
   return (a - b) * (a - b) <= sigmas * sigmas * variance;
+}
+
+/// Pixels by which a point, given times its inverse depth, moves per unit of that, squared.
+double squared_shift(const Camera& camera, const Eigen::Vector3d& point, const Eigen::Vector3d& translation) {
+  const Eigen::Vector2d normalized = point.head<2>() / point.z();
+  const Eigen::Vector2d shift = (translation.head<2>() - normalized * translation.z()) / point.z();
+  return camera.fx * camera.fx * shift.squaredNorm();
 }
 
 }  // namespace
@@ -243,23 +252,29 @@ void DepthMap::smooth_row(int y) {
   }
 }
 
-DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask) const {
+DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe, double gain, double offset,
+                             GrayView new_mask) const {
   DepthMap result(new_image, camera_, options_, new_mask);
   const Eigen::Matrix3d rotation = new_from_keyframe.rotation().matrix();
   const double added = options_.propagation_sigma * options_.propagation_sigma;
+  ShownAlikeOptions alike{gain, offset, options_.search.intensity_sigma, 1.0, options_.most_changed};
   for (int y = border; y < image_.height() - border; ++y)
     for (int x = border; x < image_.width() - border; ++x) {
       if (!smoothed_.is_known(x, y)) continue;
-      const auto mean = static_cast<double>(smoothed_.mean.at(x, y));
+      const auto mean = static_cast<double>(smoothed_.mean.at(x, y)),
+                 own_variance = static_cast<double>(depth_.variance.at(x, y));
       const Eigen::Vector3d ray((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1.0);
       const Eigen::Vector3d point = rotation * ray + mean * new_from_keyframe.translation();
       if (!(point.z() > 0.1)) continue;
-      const int u = static_cast<int>(std::lround(camera_.fx * point.x() / point.z() + camera_.cx)),
-                v = static_cast<int>(std::lround(camera_.fy * point.y() / point.z() + camera_.cy));
+      const Eigen::Vector2d pixel(camera_.fx * point.x() / point.z() + camera_.cx,
+                                  camera_.fy * point.y() / point.z() + camera_.cy);
+      const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
       if (u < border || v < border || u >= image_.width() - border || v >= image_.height() - border) continue;
+      alike.position_variance =
+          pose_variance_px + own_variance * squared_shift(camera_, point, new_from_keyframe.translation());
+      if (!is_shown_alike(image_.view(), x, y, new_image, pixel, alike)) continue;
       const double there = mean / point.z(), ratio = there / mean;
-      const double variance =
-          ratio * ratio * ratio * ratio * static_cast<double>(depth_.variance.at(x, y)) + added * there * there;
+      const double variance = ratio * ratio * ratio * ratio * own_variance + added * there * there;
       result.receive(u, v, static_cast<float>(there), static_cast<float>(variance));
     }
   return result;

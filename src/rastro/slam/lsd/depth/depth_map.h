@@ -26,6 +26,7 @@ struct DepthMapOptions {
   int least_support = 3;             ///< Neighbors that agree with a depth, itself included, before it is shown.
   int most_failures = 5;             ///< In excess of successes, before a depth is dropped.
   double propagation_sigma = 0.005;  ///< Of an inverse depth of 1, added by a change of keyframe.
+  double most_changed = 3.0;  ///< Sigmas of an intensity, beyond which another keyframe shows something else there.
   EpipolarSearchOptions search;
 };
 
@@ -61,8 +62,10 @@ class DepthMap {
   /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
   /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
-  /// The depths as another keyframe sees them (section 2.3): nearer ones hide others.
-  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask = {}) const;
+  /// The depths as another keyframe sees them (section 2.3): nearer ones hide others, and where its intensity is
+  /// another one than gain * that of the keyframe + offset, the surface is hidden or has moved.
+  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe, double gain, double offset,
+                     GrayView new_mask = {}) const;
   /// Multiplies all inverse depths: another unit.
   void rescale(double factor);
   /// What pixels without a depth are expected to have: the mean, 1 unless said otherwise.

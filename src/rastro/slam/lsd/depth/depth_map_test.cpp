@@ -124,7 +124,7 @@ TEST(DepthMap, AnotherKeyframeSeesTheSameSurfaces) {
   map.start_from(exact);
   map.regularize();
   const SE3 second_from_first = hall().world_from_camera(123).inverse() * hall().world_from_camera(120);
-  DepthMap propagated = map.propagate(second.gray.view(), second_from_first);
+  DepthMap propagated = map.propagate(second.gray.view(), second_from_first, 1.0, 0.0);
   propagated.regularize();
   const DepthErrors errors = errors_of(propagated.inverse_depth(), second.depth);
   EXPECT_GT(errors.known, errors_of(map.inverse_depth(), first.depth).known * 6 / 10);
@@ -132,6 +132,42 @@ TEST(DepthMap, AnotherKeyframeSeesTheSameSurfaces) {
   EXPECT_GT(errors.within_5_percent, 0.93);
   propagated.rescale(2.0);
   EXPECT_NEAR(errors_of(propagated.inverse_depth(), second.depth).median, 0.5, 0.01) << "another unit";
+}
+
+/// Something dark has come into a part of the view, with the same texture.
+TEST(DepthMap, AnotherKeyframeGetsNoDepthsOfWhatItDoesNotShow) {
+  constexpr int width = 160, height = 120;
+  Camera camera;
+  camera.width = width, camera.height = height, camera.fx = camera.fy = 140.0, camera.cx = 79.5, camera.cy = 59.5;
+  const auto is_hidden = [](int x, int y, int inside) {
+    return x >= 40 + inside && x < 90 - inside && y >= 30 + inside && y < 80 - inside;
+  };
+  GrayImage image(width, height), later(width, height), brighter(width, height);
+  InverseDepthMap exact(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      image.at(x, y) = static_cast<std::uint8_t>(std::lround(128.0 + 40.0 * std::sin(0.25 * x)));
+      later.at(x, y) = static_cast<std::uint8_t>(image.at(x, y) - (is_hidden(x, y, 0) ? 80 : 0));
+      brighter.at(x, y) = static_cast<std::uint8_t>(image.at(x, y) + 60);
+      exact.mean.at(x, y) = 1.0F, exact.variance.at(x, y) = 1e-6F;
+    }
+  DepthMap map(image.view(), camera, {});
+  map.start_from(exact);
+  map.regularize();
+  const auto known_in = [&](GrayView view, double offset, bool hidden) {
+    DepthMap propagated = map.propagate(view, SE3(), 1.0, offset);
+    propagated.regularize();
+    int known = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        if (is_hidden(x, y, 6) == hidden && (hidden || !is_hidden(x, y, -6)))
+          known += propagated.inverse_depth().is_known(x, y) ? 1 : 0;
+    return known;
+  };
+  ASSERT_GT(known_in(image.view(), 0.0, true), 500);
+  EXPECT_EQ(known_in(later.view(), 0.0, true), 0);
+  EXPECT_EQ(known_in(later.view(), 0.0, false), known_in(image.view(), 0.0, false));
+  EXPECT_EQ(known_in(brighter.view(), 60.0, false), known_in(image.view(), 0.0, false)) << "an exposure";
 }
 
 /// Neither of the keyframe nor of the images after it.
