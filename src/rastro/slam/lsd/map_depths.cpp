@@ -35,10 +35,10 @@ std::size_t most_in_map(const SemiDenseKeyframe& keyframe, const LsdOptions& opt
 
 }  // namespace
 
-std::shared_ptr<const SemiDenseDepth> depths_in_map(const SemiDenseKeyframe& keyframe, double world_per_unit,
+std::shared_ptr<const SemiDenseDepth> depths_in_map(const SemiDenseKeyframe& keyframe, const KeyframeScale& scale,
                                                     const LsdOptions& options) {
   auto result = std::make_shared<SemiDenseDepth>();
-  const auto factor = static_cast<float>(1.0 / world_per_unit);
+  const auto factor = static_cast<float>(1.0 / scale.world_per_unit);
   const double most = options.max_depth_sigma > 0.0 ? options.max_depth_sigma : std::numeric_limits<double>::infinity();
   const auto surface_share = static_cast<float>(options.surface_share);
   for (int y = 0; y < keyframe.depth.height(); ++y)
@@ -51,6 +51,9 @@ std::shared_ptr<const SemiDenseDepth> depths_in_map(const SemiDenseKeyframe& key
                                 factor * factor * variance, keyframe.image.at(x, y)});
     }
   keep_most_certain(result->pixels, most_in_map(keyframe, options));
+  const auto of_scale = static_cast<float>(scale.variance);
+  for (SemiDenseDepth::Pixel& pixel : result->pixels)
+    pixel.variance += of_scale * pixel.inverse_depth * pixel.inverse_depth;
   return result;
 }
 
@@ -62,15 +65,18 @@ std::size_t bytes_in_map(const SemiDenseKeyframe& keyframe, const LsdOptions& op
 }
 
 std::shared_ptr<const SemiDenseDepth> KnownMapDepths::of(const std::shared_ptr<const SemiDenseKeyframe>& keyframe,
-                                                         double world_per_unit, const LsdOptions& options) {
+                                                         const KeyframeScale& scale, const LsdOptions& options) {
   constexpr double same_scale = 1e-3;
   const auto index = static_cast<std::size_t>(keyframe->id);
   if (index >= known_.size()) known_.resize(index + 1);
   Known& known = known_[index];
-  if (known.keyframe.lock() == keyframe && std::abs(world_per_unit / known.world_per_unit - 1.0) < same_scale)
+  const bool is_same = known.keyframe.lock() == keyframe &&
+                       std::abs(scale.world_per_unit / known.scale.world_per_unit - 1.0) < same_scale &&
+                       std::abs(std::sqrt(scale.variance) - std::sqrt(known.scale.variance)) < same_scale;
+  if (is_same)
     if (auto depths = known.depths.lock()) return depths;
-  auto depths = depths_in_map(*keyframe, world_per_unit, options);
-  known = {keyframe, depths, world_per_unit};
+  auto depths = depths_in_map(*keyframe, scale, options);
+  known = {keyframe, depths, scale};
   return depths;
 }
 

@@ -165,7 +165,7 @@ void add_loss_options(OptionTable& table, LsdOptions& o) {
              &o.scale_drift_share,
              "",
              "standard deviation of the drift of the scale from a keyframe to the next with one camera, as share, for "
-             "the covariances of poses",
+             "the covariances of poses and the variances of the map's depths",
              0,
              1,
              {}});

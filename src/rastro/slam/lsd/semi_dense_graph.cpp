@@ -12,9 +12,13 @@
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/optimize/pose_graph.h"
 #include "rastro/slam/lsd/map_depths.h"
+#include "rastro/slam/lsd/scale_uncertainty.h"
 
 namespace rastro {
 namespace {
+
+constexpr double alignment_scale_sigma = 0.01;  // of the logarithm, what all alignments have in common
+constexpr double least_weight = 0.5;            // of an edge that was not switched off
 
 SE3 rigid(const Sim3& pose) { return {pose.rotation(), pose.translation()}; }
 
@@ -72,7 +76,6 @@ double SemiDenseGraph::beyond_drift(double scale_variance) const {
 
 /// Shortest paths from the first keyframe of each submap.
 void SemiDenseGraph::update_scale_errors() {
-  constexpr double least_weight = 0.5;
   std::set<int> begun;
   for (std::size_t k = 0; k < links_.size(); ++k)
     links_[k].scale_variance = begun.insert(submaps_[k]).second ? 0.0 : std::numeric_limits<double>::infinity();
@@ -88,6 +91,25 @@ void SemiDenseGraph::update_scale_errors() {
       from = std::min(from, to + along);
     }
   }
+}
+
+/// Of the logarithm of each keyframe's scale relative to the mean of the map: the scale drifts from keyframe to
+/// keyframe, and loops end that. Constraints between neighbors do not, as they compare the same images.
+std::vector<double> SemiDenseGraph::map_scale_variances() const {
+  const double drift = options_.scale_drift_share;
+  if (metric_) return std::vector<double>(keyframes_.size(), 0.0);
+  std::vector<ScaleLink> links;
+  for (const Constraint& edge : edges_) {
+    const bool is_step = edge.kind == ConstraintKind::odometry;
+    if (!(drift > 0.0) || edge.kind == ConstraintKind::proximity || edge.weight < least_weight) continue;
+    const double variance =
+        is_step ? drift * drift : alignment_scale_sigma * alignment_scale_sigma + edge.scale_variance;
+    links.push_back({static_cast<std::size_t>(edge.from), static_cast<std::size_t>(edge.to), variance});
+  }
+  std::vector<double> variances = scale_variances(keyframes_.size(), links);
+  for (std::size_t k = 0; k < variances.size(); ++k)
+    variances[k] += std::pow(scale_error(static_cast<std::int64_t>(k)), 2);  // in fast turns
+  return variances;
 }
 
 std::vector<std::int64_t> SemiDenseGraph::within_steps(std::int64_t id, int steps) const {
@@ -176,9 +198,8 @@ void SemiDenseGraph::optimize(std::optional<std::int64_t> around) {
   const std::vector<std::uint8_t> fixed = fixed_poses(around);
   PoseGraphOptions options;
   options.iterations = options_.optimize_iterations;
-  constexpr double scale_sigma = 0.01;  // of an alignment
   options.fix_scale = metric_;
-  options.scale_information = 1.0 / (scale_sigma * scale_sigma);
+  options.scale_information = 1.0 / (alignment_scale_sigma * alignment_scale_sigma);
   optimize_pose_graph(poses_, edges_, fixed, options);
   if (has_scale_errors_) update_scale_errors();
   ++revision_;
@@ -272,6 +293,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor, Kno
   map->cameras.push_back({sensor.kind, sensor.camera, sensor.baseline, sensor.depth_noise(options_), SE3()});
   const int largest = largest_submap();
   auto depths = std::make_shared<SemiDenseLayer>();
+  const std::vector<double> scale_variances = map_scale_variances();
   std::map<int, KeyframeId> last_of;
   for (std::int64_t id = 0; id < size(); ++id) {
     const SemiDenseKeyframe& kept = keyframe(id);
@@ -280,7 +302,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor, Kno
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
     if (kept.image.empty()) continue;
-    const double scale = pose(id).scale();
+    const KeyframeScale scale{pose(id).scale(), scale_variances[static_cast<std::size_t>(id)]};
     depths->of[id] = known ? known->of(keyframes_[static_cast<std::size_t>(id)], scale, options_)
                            : depths_in_map(kept, scale, options_);
   }

@@ -136,6 +136,7 @@ class SemiDenseGraph {
   double step_variance(std::int64_t id) const;
   double beyond_drift(double scale_variance) const;
   void update_scale_errors();
+  std::vector<double> map_scale_variances() const;
 
   struct Links {
     std::vector<std::int64_t> odometry;  ///< Made of it, or it of them.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/slam/lsd/map_depths.h"
@@ -76,6 +77,39 @@ TEST(SemiDenseGraph, TheNextMapHasTheDepthsOfTheLastOneWhereNothingChanged) {
   EXPECT_NE(depths_in(second, 2), depths_in(first, 2)) << "another scale";
   EXPECT_FLOAT_EQ(depths_in(second, 2)->pixels[0].inverse_depth, 0.5F / 2.2F);
   EXPECT_NE(depths_in(graph.snapshot(single_camera(Camera{})), 0), depths_in(first, 0)) << "the final map is exact";
+}
+
+/// A walk of three keyframes whose scale drifts by 10 % from one to the next.
+TEST(SemiDenseGraph, DepthsInTheMapAreAsUncertainAsTheScaleOfTheirKeyframe) {
+  LsdOptions options;
+  options.surface_share = 0.0;
+  options.scale_drift_share = 0.1;
+  const auto relative_variances = [&](const std::vector<Constraint>& edges) {
+    SemiDenseGraph graph = graph_of(options, 3);
+    for (const Constraint& edge : edges) graph.add_edge(edge);
+    const auto map = graph.snapshot(single_camera(Camera{}));
+    std::vector<double> found;
+    for (const auto& [id, depths] : map->layer<SemiDenseLayer>()->of) {
+      EXPECT_EQ(depths->pixels.size(), 1U) << "the same ones as with a certain scale";
+      found.push_back(static_cast<double>(depths->pixels[0].variance) / (0.25 * 0.25));
+    }
+    return found;
+  };
+  constexpr double own = 0.05 * 0.05, drift = 0.1 * 0.1;
+  const std::vector<Constraint> walk{{0, 1, Sim3(), Matrix6d::Identity()}, {1, 2, Sim3(), Matrix6d::Identity()}};
+  const std::vector<double> open = relative_variances(walk);
+  ASSERT_EQ(open.size(), 3U);
+  EXPECT_NEAR(open[0], own + drift * 5.0 / 9.0, 1e-6);
+  EXPECT_NEAR(open[1], own + drift * 2.0 / 9.0, 1e-6);
+  EXPECT_NEAR(open[2], open[0], 1e-6);
+
+  std::vector<Constraint> near = walk, closed = walk;
+  near.push_back({0, 2, Sim3(), Matrix6d::Identity(), ConstraintKind::proximity});
+  EXPECT_EQ(relative_variances(near), open) << "of the same images";
+  closed.push_back({0, 2, Sim3(), Matrix6d::Identity(), ConstraintKind::loop});
+  EXPECT_LT(relative_variances(closed)[2], own + 0.5 * (open[2] - own));
+  options.scale_drift_share = 0.0;
+  EXPECT_NEAR(relative_variances(walk)[2], own, 1e-6);
 }
 
 TEST(SemiDenseGraph, WhatTheMapTakesCountsToo) {
