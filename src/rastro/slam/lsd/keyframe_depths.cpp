@@ -34,8 +34,6 @@ KeyframeDepths::KeyframeDepths(const LsdOptions& options, const LsdSensor& senso
   else if (!sensor.is_metric())
     depth_.start_random(seed_for(options.seed, static_cast<std::uint64_t>(id)));
   begin(id, frame, SE3());
-  if (!depth && !frame.depth.empty() && frame.depth_stamp != frame.stamp)
-    unplaced_ = StampedDepth{frame.depth, frame.depth_stamp};
 }
 
 void KeyframeDepths::begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color) {
@@ -60,17 +58,6 @@ void KeyframeDepths::measure(const LsdFrame& frame, const SE3& depth_from_color)
   if (!frame.right.empty())
     measure_by(StereoMeasurement(frame, sensor_, options_, depth_options(options_).search, pools_.mapping));
   if (!frame.depth.empty()) measure_by(DepthCameraMeasurement(frame.depth, depth_from_color, sensor_, options_));
-}
-
-/// A later frame of the first keyframe, with its pose.
-void KeyframeDepths::measure_again(TimeNs stamp, const SE3& camera_from_keyframe) {
-  if (!unplaced_ || stamp <= stamp_) return;
-  const StampedDepth first = *std::exchange(unplaced_, std::nullopt);
-  const double share = static_cast<double>(first.stamp - stamp_) / static_cast<double>(stamp - stamp_);
-  const SE3 depth_from_color = SE3::exp(share * camera_from_keyframe.log());
-  depth_ = DepthMap(image_.view(), sensor_.camera, depth_options(options_), mask_.view());
-  measure_by(DepthCameraMeasurement(first.depth, depth_from_color, sensor_, options_));
-  depth_.regularize(pools_.mapping);
 }
 
 template <typename Sensor>
@@ -99,7 +86,6 @@ void KeyframeDepths::update_reference() {
 }
 
 void KeyframeDepths::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
-  measure_again(frame.stamp, tracked.image_from_reference);
   depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pools_.mapping,
                  frame.mask.view());
   ++frames_;
@@ -130,7 +116,6 @@ void KeyframeDepths::observe_earlier(const ImageAlignment& tracked, double unit)
 Sim3 KeyframeDepths::change_to(std::int64_t id, const LsdFrame& frame, const ImageAlignment& tracked,
                                const SE3& depth_from_color) {
   const SE3& new_from_keyframe = tracked.image_from_reference;
-  measure_again(frame.stamp, new_from_keyframe);
   depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, tracked.gain, tracked.offset, frame.mask.view());
   const double mean = depth_.mean();
   const double unit = mean > 0.0 && !sensor_.is_metric() ? 1.0 / mean : 1.0;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "rastro/base/task_pool.h"
@@ -32,8 +31,7 @@ class KeyframeDepths {
   KeyframeDepths(const LsdOptions& options, const LsdSensor& sensor, const LsdPools& pools, std::int64_t id,
                  const LsdFrame& frame, const InverseDepthMap* depth);
 
-  /// Small-baseline stereo with a frame that was tracked. The first one also says where a depth camera was when it took
-  /// the depth of a map's first keyframe, which is measured again then.
+  /// Small-baseline stereo with a frame that was tracked.
   void refine(const LsdFrame& frame, const ImageAlignment& tracked);
   /// The frame becomes the keyframe, with the depths of this one propagated. Returns keyframe_from_new: its scale is
   /// the new unit in that of the keyframe before; 1 where depth is metric. `depth_from_color`: motion of the camera
@@ -60,7 +58,6 @@ class KeyframeDepths {
   void observe_earlier(const ImageAlignment& tracked, double unit);
   void begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color);
   void measure(const LsdFrame& frame, const SE3& depth_from_color);
-  void measure_again(TimeNs stamp, const SE3& camera_from_keyframe);
   template <typename Sensor>
   void measure_by(const Sensor& sensor);
   void update_reference();
@@ -79,12 +76,6 @@ class KeyframeDepths {
   std::shared_ptr<const AlignmentReference> reference_;
   double mean_inverse_depth_ = 1.0;
   std::vector<SensedDepth> sensed_;
-  /// Of the first keyframe of a map, until the camera's motion to the instant of its depth image is known.
-  struct StampedDepth {
-    DepthImage depth;
-    TimeNs stamp = 0;
-  };
-  std::optional<StampedDepth> unplaced_;
   int frames_ = 0;            ///< That refined it.
   std::vector<View> recent_;  ///< The last ones, in order.
 };

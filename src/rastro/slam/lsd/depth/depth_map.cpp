@@ -17,7 +17,8 @@ namespace {
 constexpr int border = depth_border;
 constexpr int row_grain = 8;
 constexpr double pose_variance_px = 1.0;  // of where another keyframe shows a point, by its pose and between pixels
-constexpr std::int8_t confirmed = -3;     // what was known before, or measured, counts as seen so often
+constexpr std::int8_t confirmed = -3;     // what was known before counts as seen so often
+constexpr std::int8_t measured = -1;      // a sensor confirms what it says itself
 
 GrayImage copy_of(GrayView image) {
   GrayImage copy(image.width, image.height);
@@ -153,8 +154,7 @@ void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& match
       fuse(x, y, matches.mean[i], matches.variance[i], is_sensor, update);
     else if (result == EpipolarResult::poor_match && queries.known)
       fail(x, y);
-    // A sensor confirms what it says itself: a single frame that shows something else there is no proof against it.
-    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = confirmed;
+    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = measured;
   }
 }
 
@@ -177,7 +177,7 @@ void DepthMap::fuse(int x, int y, float found, float found_variance, bool is_sen
     if (!is_sensor) return fail(x, y);
     // What was propagated may be hidden here; a match along a line may be wrong, a measurement of this image is not.
     mean = found, variance = found_variance;
-    failures_.at(x, y) = confirmed;
+    failures_.at(x, y) = measured;
     return;
   }
   mean = (found_variance * mean + prior * found) / (prior + found_variance);

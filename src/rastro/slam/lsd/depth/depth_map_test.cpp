@@ -239,26 +239,6 @@ TEST(DepthMap, WhatASensorMeasuresReplacesWhatItContradicts) {
   EXPECT_GT(errors.within_5_percent, 0.95);
 }
 
-/// As where somebody walks through the view.
-TEST(DepthMap, WhatASensorMeasuredOutlivesAFrameThatShowsSomethingElse) {
-  TaskPool pool(1);
-  const RenderedFrame frame = hall().render(120, pool);
-  GrayImage negative = hall().render(126, pool).gray;
-  for (int y = 0; y < negative.height(); ++y)
-    for (int x = 0; x < negative.width(); ++x) negative.at(x, y) = static_cast<std::uint8_t>(255 - negative.at(x, y));
-  DepthMap map(frame.gray.view(), hall().camera(), {});
-  constexpr float variance = 1e-3F;  // so that stereo with a later frame is worth a search
-  map.measure(sensor_of(frame.depth, variance));
-  map.regularize();
-  const int before = errors_of(map.inverse_depth(), frame.depth).known;
-  const SE3 motion = (hall().world_from_camera(120).inverse() * hall().world_from_camera(126)).inverse();
-  const DepthUpdate update = map.observe(negative.view(), motion, 1.0, 0.0);
-  map.regularize();
-  const int failed = update.by_result[static_cast<std::size_t>(EpipolarResult::poor_match)] + update.contradicted;
-  ASSERT_GT(failed, before / 10);
-  EXPECT_LT(before - errors_of(map.inverse_depth(), frame.depth).known, failed / 10);
-}
-
 /// What nothing confirms is forgotten.
 TEST(DepthMap, WrongDepthsAreDropped) {
   TaskPool pool(1);
