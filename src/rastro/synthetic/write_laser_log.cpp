@@ -46,7 +46,9 @@ class Recorder {
         scans_(std::min(options.scans.value_or(world.scan_count()), world.scan_count())),
         wheels_(options.odometry, seed_for(world.seed, wheel_noise)) {
     if (scans_ < 1) throw Error("there are no scans to write", "frames", "request at least one");
-    lock_.emplace(claim_folder(folder, options.force));
+    // Written at the end: an interrupted recording has none of these.
+    lock_.emplace(claim_folder(folder, options.force,
+                               {"relations.txt", "landmarks_truth.csv", "floor_plan.pgm", "floor_plan.yaml"}));
     TextFile(folder / "README.txt", readme);
     log_.emplace(folder / "scans.log", carmen_header());
     ground_truth_.emplace(folder / "groundtruth.txt", "# world_from_body: stamp tx ty tz qx qy qz qw\n");

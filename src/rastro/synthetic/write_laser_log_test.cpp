@@ -49,6 +49,19 @@ TEST(WriteLaserLog, gives_the_same_bytes_for_any_threads_and_different_ones_for_
   EXPECT_THROW(write_laser_log(office(), scratch_path("none"), {.scans = 0}, one), Error);
 }
 
+/// What the former drive left would be taken for a part of the new one.
+TEST(WriteLaserLog, an_interrupted_one_keeps_nothing_of_the_drive_that_it_replaces) {
+  struct Stopped {};
+  TaskPool pool(2);
+  const fs::path folder = scratch_path("replaced");
+  write_laser_log(office(), folder, {.scans = 70}, pool);
+  const auto stop = [](std::int64_t) { throw Stopped{}; };
+  EXPECT_THROW(write_laser_log(office(), folder, {.scans = 70, .force = true}, pool, stop), Stopped);
+  for (const char* name : {"relations.txt", "landmarks_truth.csv", "floor_plan.pgm", "floor_plan.yaml"})
+    EXPECT_FALSE(fs::exists(folder / name)) << name;
+  EXPECT_TRUE(fs::exists(folder / "scans.log"));
+}
+
 TEST(WriteLaserLog, ground_truth_and_relations_are_those_of_the_drive) {
   TaskPool pool(2);
   const fs::path folder = scratch_path("truth");
