@@ -121,6 +121,9 @@ landmarks() {
   said 'complete, every checksum is valid'
   run 0 localize "$room" --map "$here/run" --out "$here/found" --require 'recall>=60'
   [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
+  run 2 slam "$room" --map "$here/run" --continue --out "$here/run" --force --quiet
+  said 'would be overwritten'
+  [[ -s $map ]] || fail "a map was removed by the run that should continue it"
   run 0 slam "$room" --map "$here/run" --continue --out "$here/longer" --quiet
   run 0 info "$here/longer"
   said 'complete'

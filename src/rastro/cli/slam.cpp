@@ -58,8 +58,8 @@ void load_map_of(const SlamFlags& flags, SlamContext& context) {
   std::error_code ignored;
   // Absolute: a bare map.rastro has no parent to compare. The file itself: it may be a link from elsewhere.
   const std::filesystem::path folder = std::filesystem::absolute(file, ignored).parent_path(), out = flags.out;
-  if (!flags.extend && (std::filesystem::equivalent(folder, out, ignored) ||
-                        std::filesystem::equivalent(file, out / "map.rastro", ignored)))
+  if (std::filesystem::equivalent(folder, out, ignored) ||
+      std::filesystem::equivalent(file, out / "map.rastro", ignored))
     throw Error("holds the map, which would be overwritten", flags.out, "give another folder with --out");
   context.map = load_map(file);
   context.extend_map = flags.extend;

@@ -147,7 +147,9 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--map", flags.map, "With --continue: map file or run folder of orb, fusion or rtabmap")
       ->type_name("MAP")
       ->group(group);
-  command.add_flag("--continue", flags.extend, "Continue the map of --map; the extended map is written to --out")
+  command
+      .add_flag("--continue", flags.extend,
+                "Continue the map of --map; the extended map is written to --out, another folder")
       ->group(group);
   add_sensor_flag(command, flags, group);
   command
