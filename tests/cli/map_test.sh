@@ -252,6 +252,7 @@ kill_one() {
   made=$(grep -c '"event":"keyframe"' "$run/events.jsonl")
   keyframes=$(value_of keyframes "$here/stdout")
   [[ $case_name != kill_locations ]] || ((made - keyframes <= 1)) || fail "kill $number: $keyframes of $made locations are left"
+  [[ ! -s $run/map.rastro-wal || $(value_of log_bytes "$here/stdout") -gt 0 ]] || fail "kill $number: the log is not told"
   run 0 recover "$run" --out "$here/saved$number.rastro"
   run 0 export "$run" --to tum --out "$here/killed$number.txt"
   [[ $(grep -cv '^#' "$here/killed$number.txt") -eq $kept ]] || fail "kill $number: not every pose of the map is exported"

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -61,9 +62,16 @@ std::string state_of(const MapFileReport& report) {
                          : "valid, but the run that made it did not end regularly";
 }
 
-double megabytes(const MapFileReport& report) { return static_cast<double>(report.bytes) / 1e6; }
+double megabytes(std::uintmax_t bytes) { return static_cast<double>(bytes) / 1e6; }
 
 std::string row(const std::string& name, const std::string& text) { return fmt::format("  {:<11} {}\n", name, text); }
+
+/// Whoever copies the map without it has lost what the run wrote last.
+std::string log_row(const MapFileReport& report, const std::string& file) {
+  if (report.log_bytes == 0) return "";
+  return row("log", fmt::format("{}-wal, {:.1f} MB, is a part of the map: copy both; 'rastro recover' makes one file",
+                                std::filesystem::path(file).filename().string(), megabytes(report.log_bytes)));
+}
 
 /// Of a pair it is only where its map has depth images.
 bool has_depth_noise(const Map& map, const MapCamera& camera) {
@@ -186,8 +194,8 @@ void add_map(Json& json, const Map& map) {
 
 std::string describe_map(const MapFileReport& report, const std::string& file) {
   const std::string version = report.version > 0 ? fmt::format(" of version {}", report.version) : "";  // 0: cut off
-  const std::string head = fmt::format("{}: map{}, {:.1f} MB\n", file, version, megabytes(report));
-  return head + row("state", state_of(report)) + (report.map ? describe(*report.map) : "");
+  const std::string head = fmt::format("{}: map{}, {:.1f} MB\n", file, version, megabytes(report.bytes));
+  return head + row("state", state_of(report)) + log_row(report, file) + (report.map ? describe(*report.map) : "");
 }
 
 std::string describe_map_json(const MapFileReport& report, const std::string& file) {
@@ -195,6 +203,7 @@ std::string describe_map_json(const MapFileReport& report, const std::string& fi
             {"kind", "map"},
             {"version", report.version},
             {"bytes", report.bytes},
+            {"log_bytes", report.log_bytes},
             {"finished", report.finished},
             {"damage", report.damage}};
   if (report.map) add_map(json, *report.map);

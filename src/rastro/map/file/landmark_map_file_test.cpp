@@ -217,6 +217,24 @@ TEST(GrowingMapFile, OfLandmarksEndsAsTheFileOfTheMap) {
   EXPECT_THAT(message_of([&] { nowhere.finish(road()); }), HasSubstr("no_folder"));
 }
 
+/// Without it, the map lacks what was written last.
+TEST(MapFile, ALogThatAKilledRunLeftIsAPartOfTheMap) {
+  const fs::path file = scratch_path("logged.rastro"), copy = scratch_path("logged_copy.rastro");
+  for (const char* beside : {"logged_copy.rastro-wal", "logged_copy.rastro-shm"}) scratch_path(beside);
+  GrowingMapFile growing(file);
+  growing.keep(std::make_shared<Map>(younger(7)));
+  std::string log;
+  while (log.empty()) {
+    std::this_thread::yield();
+    if (fs::exists(file.string() + "-wal")) log = read_whole_file(file.string() + "-wal");
+  }
+  write_whole_file(copy, read_whole_file(file));
+  write_whole_file(copy.string() + "-wal", log);
+  EXPECT_EQ(check_map_file(copy).log_bytes, log.size());
+  growing.finish(road());
+  EXPECT_EQ(check_map_file(file).log_bytes, 0U);
+}
+
 /// What a program killed now would leave: the bytes of the map in the file, empty if there is none yet.
 std::string bytes_if_killed_now(const fs::path& file) {
   const fs::path copy = scratch_path("killed.rastro");

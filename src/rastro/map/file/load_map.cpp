@@ -57,6 +57,8 @@ MapFileReport check_map_file(const std::filesystem::path& file) {
   MapFileReport report;
   std::error_code code;
   report.bytes = std::filesystem::file_size(file, code);
+  const std::uintmax_t log_bytes = std::filesystem::file_size(file.string() + "-wal", code);
+  if (!code) report.log_bytes = log_bytes;
   if (!is_map_file(file)) load(file);  // throws with the reason
   try {
     report.version = Database::open(file).version();

@@ -27,6 +27,7 @@ bool is_map_file(const std::filesystem::path& file);
 struct MapFileReport {
   std::uint32_t version = 0;
   std::uintmax_t bytes = 0;
+  std::uintmax_t log_bytes = 0;    ///< Of FILE-wal beside it, which a killed run leaves: a part of the map.
   bool finished = false;           ///< False: the run that made it did not finish.
   std::string damage;              ///< One line; empty if there is none.
   std::shared_ptr<const Map> map;  ///< Null if damaged.
