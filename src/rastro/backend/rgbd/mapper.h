@@ -25,6 +25,9 @@
 
 namespace rastro {
 
+/// Keyframes over which tracking may know better than a match.
+constexpr int most_tracked_steps = 40;
+
 /// The input from which the mapper makes a keyframe.
 struct KeyframeOrder {
   std::int64_t id = 0;
