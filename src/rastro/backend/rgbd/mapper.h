@@ -103,8 +103,9 @@ class Mapper {
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
   int inliers_for(ConstraintKind kind) const;
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
-  bool contradicts_path(const Constraint& edge);
-  double graph_path_m(const Constraint& edge);
+  bool needs_proof(const Constraint& edge) const;
+  bool corrects_map(const Constraint& edge) const;
+  bool contradicts_path(const Constraint& edge, GraphPaths& paths) const;
   void judge_appearance(Verified& found);
   Rejection take(const Verified& found, std::vector<Constraint>& accepted);
   void accept(const Constraint& edge, MapRevision& revision);
@@ -141,7 +142,7 @@ class Mapper {
     AppearanceCheck check;
     AppearanceStore appearances;
     LoopConfirmation confirmation = {};
-    std::optional<GraphPaths> graph_paths = {};  ///< From the newest keyframe.
+    std::optional<GraphPaths> graph_paths = {};  ///< From the newest keyframe, before it has any edge but of tracking.
   };
   Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;

@@ -44,16 +44,30 @@ Mapper::Verified Mapper::match(std::int64_t other, std::int64_t id, MatchScope s
 /// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
 Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
   Verified found = match(other, id, MatchScope::anywhere);
-  if (found.edge && found.edge->kind != ConstraintKind::merge && contradicts_path(*found.edge)) {
+  GraphPaths& paths = *proof_.graph_paths;
+  if (found.edge && found.edge->kind != ConstraintKind::merge && contradicts_path(*found.edge, paths)) {
     found = match(other, id, MatchScope::near_guess);
-    if (!found.edge || contradicts_path(*found.edge)) return {std::nullopt, Rejection::contradicts_graph};
+    if (!found.edge || contradicts_path(*found.edge, paths)) return {std::nullopt, Rejection::contradicts_graph};
   }
-  if (found.edge && found.edge->kind != ConstraintKind::proximity && options_.min_alike > 0.0) judge_appearance(found);
+  if (found.edge && options_.min_alike > 0.0 && needs_proof(*found.edge)) judge_appearance(found);
   return found;
 }
 
-/// One place may have the same shape and furniture as another. What tracking connects needs no such proof. A loop after
-/// a long path changes much: it needs a second one. So does a merge of submaps, but for a wide view that looks alike.
+/// What tracking connects needs none, nor does what a few other edges connect where these predict it.
+bool Mapper::needs_proof(const Constraint& edge) const {
+  if (edge.kind != ConstraintKind::proximity) return true;
+  return !graph_.tracked_motion(edge.from, edge.to, most_tracked_steps) && corrects_map(edge);
+}
+
+/// By more than the map can be off where all is well. A given map stays.
+bool Mapper::corrects_map(const Constraint& edge) const {
+  if (edge.from < graph_.frozen()) return false;
+  return !agrees_with_map(graph_.pose(edge.from).inverse() * graph_.pose(edge.to), edge.rigid());
+}
+
+/// One place may have the same shape and furniture as another. A loop after a long path changes much, and one that the
+/// map does not predict may be off by one of the things that repeat there, within what the camera can have drifted: it
+/// needs a second one. So does a merge of submaps, but for a wide view that looks alike.
 void Mapper::judge_appearance(Verified& found) {
   constexpr int wide_cells = 30;
   constexpr double long_way_m = 8.0;
@@ -61,7 +75,8 @@ void Mapper::judge_appearance(Verified& found) {
   const AppearanceAgreement agreement = proof_.check.compare(*proof_.appearances.appearance(edge.from),
                                                              *proof_.appearances.appearance(edge.to), edge.rigid());
   const bool merges = edge.kind == ConstraintKind::merge;
-  found.alone = merges ? agreement.cells < wide_cells : graph_path_m(edge) >= long_way_m;
+  const auto is_doubtful = [&] { return proof_.graph_paths->to(edge.from) >= long_way_m || corrects_map(edge); };
+  found.alone = merges ? agreement.cells < wide_cells : is_doubtful();
   found.evidence = agreement.center;
   found.rejection = judge(agreement.evidence(), {.min_alike_share = options_.min_alike});
   if (found.rejection != Rejection::none) found.edge.reset();
@@ -74,16 +89,19 @@ Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted)
     accepted.push_back(*found.edge);
     return Rejection::none;
   }
-  const std::vector<Constraint> confirmed = proof_.confirmation.next(graph_, {*found.edge, found.evidence});
+  // Loops that were closed since may have shortened the path that an earlier one was judged by.
+  const auto still_fits = [this](const Constraint& earlier) {
+    GraphPaths paths = graph_.graph_paths_from(earlier.to);
+    return graph_.submap(earlier.from) != graph_.submap(earlier.to) || !contradicts_path(earlier, paths);
+  };
+  const std::vector<Constraint> confirmed = proof_.confirmation.next(graph_, {*found.edge, found.evidence}, still_fits);
   accepted.insert(accepted.end(), confirmed.begin(), confirmed.end());
   return confirmed.empty() ? Rejection::not_confirmed : Rejection::none;
 }
 
-/// Between the keyframes of an edge to the newest one, before it has any but those of tracking.
-double Mapper::graph_path_m(const Constraint& edge) { return proof_.graph_paths->to(edge.from); }
-
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
-bool Mapper::contradicts_path(const Constraint& edge) {
+/// `paths`: from edge.to.
+bool Mapper::contradicts_path(const Constraint& edge, GraphPaths& paths) const {
   if (edge.from < graph_.frozen()) return false;
   Evidence evidence;
   if (const auto tracked = graph_.tracked_motion(edge.from, edge.to, most_tracked_steps)) {
@@ -97,7 +115,7 @@ bool Mapper::contradicts_path(const Constraint& edge) {
     constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
     const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
     const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
-    const double shortest_m = graph_path_m(edge);
+    const double shortest_m = paths.to(edge.from);
     const double drifted_m = std::isfinite(shortest_m) ? shortest_m : graph_.path_between(edge.from, edge.to);
     evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + drifted_m));
   }

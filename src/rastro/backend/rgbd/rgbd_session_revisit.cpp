@@ -6,6 +6,7 @@
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/backend/rgbd/frame_report.h"
+#include "rastro/backend/rgbd/loop_confirmation.h"
 #include "rastro/backend/rgbd/rgbd_session.h"
 
 namespace rastro {
@@ -32,6 +33,8 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   const Matrix6d of_match = found->constraint.information.inverse(), of_path = covariance_of(pose, from_keyframe);
   const SE3 matched = map_.pose(found->keyframe) * found->constraint.a_from_b;
   const Matrix6d both = of_path + chained(map_.covariance(found->keyframe), found->constraint.a_from_b, of_match);
+  // One that would correct the map is a loop closure, which mapping judges.
+  if (!agrees_with_map(pose, matched)) return false;
   const Evidence evidence{.graph_sigmas = graph_sigmas(pose, matched, both)};
   if (judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none) return false;
   const Matrix6d tracked = with_common_errors(from_keyframe, options_), gain = tracked * (tracked + of_match).inverse();
