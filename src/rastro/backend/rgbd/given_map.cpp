@@ -24,6 +24,23 @@ void check_descriptor(const Features& features, const std::string& descriptor) {
               fmt::format("give --set descriptor={}, or a map made with descriptor={}", made_with, descriptor));
 }
 
+bool has_signatures_of_all(const Map& map) {
+  const auto signatures = map.layer<SignatureLayer>();
+  return signatures && signatures->keyframes.size() == map.keyframes.size();
+}
+
+/// Of a map that has features instead, as one of `rgbd`.
+std::shared_ptr<const SignatureLayer> all_signatures(const Map& map) {
+  auto layer = std::make_shared<SignatureLayer>();
+  auto store = std::make_shared<MemorySignatures>();
+  for (const Keyframe& keyframe : map.keyframes) {
+    store->add(keyframe.id, signature_of(map, keyframe.id));
+    layer->keyframes.push_back(keyframe.id);
+  }
+  layer->store = std::move(store);
+  return layer;
+}
+
 }  // namespace
 
 Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera, double baseline) {
@@ -53,6 +70,7 @@ SlamContext with_usable_map(SlamContext context, const Camera& camera, const Rgb
     check_descriptor(image->features, options.descriptor);
     features->of[keyframe.id] = context.extend_map ? without_features(*image) : image;
   }
+  if (context.extend_map && !has_signatures_of_all(*map)) map->layers.put<SignatureLayer>(all_signatures(*map));
   map->layers.put<FeatureLayer>(std::move(features));
   context.map = std::move(map);
   return context;

@@ -68,6 +68,20 @@ TEST(GivenMap, ItsFeaturesMustBeOfTheSameKind) {
   }
 }
 
+/// They leave memory, and a map of `rgbd` has no long-term memory yet.
+TEST(GivenMap, OneThatIsContinuedHasItsFeaturesInLongTermMemory) {
+  SlamContext given = context_of(make_test_map(3));
+  const auto before = given.map->layer<FeatureLayer>();
+  given.extend_map = true;
+  const auto map = with_usable_map(given, test_room::camera()).map;
+  for (const Keyframe& keyframe : map->keyframes) {
+    EXPECT_EQ(map->layer<FeatureLayer>()->of.at(keyframe.id)->features.size(), 0U);
+    const Signature signature = signature_of(*map, keyframe.id);
+    EXPECT_EQ(signature.image->features.descriptors, before->of.at(keyframe.id)->features.descriptors);
+    EXPECT_EQ(signature.image->depths, before->of.at(keyframe.id)->depths);
+  }
+}
+
 TEST(GivenMap, EveryKeyframeNeedsFeaturesTheirDepthsAndImages) {
   const Camera camera = test_room::camera();
   EXPECT_FALSE(with_usable_map({}, camera).map) << "without a map there is nothing to refuse";

@@ -106,6 +106,28 @@ TEST(ContinuedMap, WhatTheEarlierSessionSawLastIsRecognizedToo) {
   EXPECT_THAT(submaps_of(*second.finish()), ElementsAre(0));
 }
 
+/// With the features of its keyframes in place of signatures.
+std::shared_ptr<const Map> as_made_by_rgbd(const Map& made) {
+  auto map = std::make_shared<Map>(made);
+  auto features = std::make_shared<FeatureLayer>();
+  for (const Keyframe& keyframe : made.keyframes)
+    features->of[keyframe.id] = with_id(*made.layer<SignatureLayer>()->store->read(keyframe.id).image, keyframe.id);
+  map->method = "rgbd";
+  map->layers.put<FeatureLayer>(std::move(features));
+  map->layers.put(SignatureLayer::layer_name, nullptr);
+  return map;
+}
+
+TEST(ContinuedMap, OneMadeByRgbdIsRecognizedToo) {
+  RoomSlam first;
+  first.look(0.0, 0.1);
+  RoomSlam second(as_made_by_rgbd(*first.finish()));
+  second.look(0.0, 0.1);
+  const auto map = second.finish();
+  EXPECT_THAT(submaps_of(*map), ElementsAre(0));
+  EXPECT_GT(map->layer<SignatureLayer>()->store->read(0).image->features.size(), 0U);
+}
+
 TEST(ContinuedMap, SessionsAreAppendedAndEveryKeyframeHasItsOwnId) {
   const auto before = two_submaps();
   RoomSlam second(before);
