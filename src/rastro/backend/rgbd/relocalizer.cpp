@@ -43,10 +43,11 @@ Relocalizer::Try Relocalizer::find(const Frame& frame,
 }
 
 std::optional<Relocalizer::Found> Relocalizer::find_among(
-    const Frame& frame, const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
-    const std::vector<std::int64_t>& ids, std::uint64_t seed) {
+    const Frame& frame, const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes, std::uint64_t seed) {
+  std::vector<Choice> choices;
+  for (const auto& keyframe : keyframes) choices.push_back({keyframe->id, keyframe});
   Try result;
-  compare(features_.extract(frame), frame, keyframes, ids, seed, result);
+  compare(features_.extract(frame), frame, choices, seed, result);
   return result.found;
 }
 

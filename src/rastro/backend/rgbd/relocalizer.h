@@ -44,7 +44,7 @@ class Relocalizer {
   /// Compares with these only.
   std::optional<Found> find_among(const Frame& frame,
                                   const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
-                                  const std::vector<std::int64_t>& ids, std::uint64_t seed);
+                                  std::uint64_t seed);
 
  private:
   struct Choice {

@@ -108,6 +108,8 @@ class RgbdSession {
   void update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void localize(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   bool revisit(const Frame& frame, const SE3& pose, const Matrix6d& from_keyframe, SlamUpdate& update);
+  std::vector<std::int64_t> keyframes_near(const SE3& pose) const;
+  std::vector<std::shared_ptr<const ImageFeatures>> with_features(const std::vector<std::int64_t>& ids) const;
   std::vector<std::int64_t> known_here(const SE3& pose) const;
   void connect(const Constraint& edge, TimeNs stamp);
   bool has_moved(const RgbdFollow& followed) const;

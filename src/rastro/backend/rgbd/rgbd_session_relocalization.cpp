@@ -22,8 +22,7 @@ void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamU
   if (due && (followed.new_reference || has_moved(followed))) {
     counts_.localized = counts_.seen;
     const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-    const auto near = map_.nearest(pose, map_.submap(anchor_.keyframe), options_);
-    const auto found = relocalizer_.find_among(frame, map_.keyframes(), near, seed);
+    const auto found = relocalizer_.find_among(frame, with_features(keyframes_near(pose)), seed);
     if (found && found->looks_alike) {
       anchor_at(found->keyframe, found->constraint);
       from_keyframe = anchor_.reference_covariance;

@@ -11,10 +11,26 @@
 
 namespace rastro {
 
+/// Those that a frame can be matched with; features in long-term memory can be read again.
+std::vector<std::int64_t> RgbdSession::keyframes_near(const SE3& pose) const {
+  return map_.nearest(pose, map_.submap(anchor_.keyframe), options_, mapper_.signatures() != nullptr);
+}
+
+std::vector<std::shared_ptr<const ImageFeatures>> RgbdSession::with_features(
+    const std::vector<std::int64_t>& ids) const {
+  std::vector<std::shared_ptr<const ImageFeatures>> keyframes;
+  for (const std::int64_t id : ids) {
+    const auto& keyframe = map_.keyframes()[static_cast<std::size_t>(id)];
+    const bool forgotten = keyframe->features.size() == 0 && mapper_.signatures();
+    keyframes.push_back(forgotten ? with_id(*mapper_.signatures()->read(id).image, id) : keyframe);
+  }
+  return keyframes;
+}
+
 /// Keyframes from where a new one would hardly see anything else; none where they are few.
 std::vector<std::int64_t> RgbdSession::known_here(const SE3& pose) const {
   std::vector<std::int64_t> known;
-  for (const std::int64_t id : map_.nearest(pose, map_.submap(anchor_.keyframe), options_)) {
+  for (const std::int64_t id : keyframes_near(pose)) {
     const SE3 moved = map_.pose(id).inverse() * pose;
     if (share_of_reach(moved, options_.keyframe_distance_m, options_.keyframe_angle_rad) < 1.0) known.push_back(id);
   }
@@ -28,7 +44,7 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   const std::vector<std::int64_t> known = known_here(pose);
   if (known.empty() || frame.depth.empty()) return false;
   const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-  const auto found = relocalizer_.find_among(frame, map_.keyframes(), known, seed);
+  const auto found = relocalizer_.find_among(frame, with_features(known), seed);
   if (!found || !found->looks_alike) return false;
   const Matrix6d of_match = found->constraint.information.inverse(), of_path = covariance_of(pose, from_keyframe);
   const SE3 matched = map_.pose(found->keyframe) * found->constraint.a_from_b;

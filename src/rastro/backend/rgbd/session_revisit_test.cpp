@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "rastro/backend/rgbd/rgbd_session.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
@@ -58,6 +60,29 @@ TEST(RgbdSession, ARevisitedPlaceMakesThePoseSurerThanPathOrMatchAlone) {
   EXPECT_EQ(map->keyframes.size(), 1U);
   EXPECT_TRUE(map->constraints.empty()) << "an edge leads to another keyframe";
   EXPECT_EQ(session.trajectory().size(), 7U);
+}
+
+/// Recognizes nothing; the features of each keyframe leave memory at once.
+class Forgetful : public LoopSearch {
+ public:
+  bool has_long_term_memory() const override { return true; }
+  Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
+    leaving_ = {id};
+    return {};
+  }
+  std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override { return std::exchange(leaving_, {}); }
+
+ private:
+  std::vector<std::int64_t> leaving_;
+};
+
+/// Else the map grows with the time wherever locations were transferred.
+TEST(RgbdSession, APlaceWhoseFeaturesAreInLongTermMemoryAloneIsRevisitedToo) {
+  RgbdSession session(revisiting(), test_room::camera(), {}, {"rtabmap", std::make_unique<Forgetful>(), 0.0});
+  for (int k = 0; k <= 6; ++k) session.process(room_frame(shown_aside(0.004 * k), k));
+  session.finish();
+  EXPECT_EQ(session.snapshot()->keyframes.size(), 1U);
+  EXPECT_EQ(session.map_memory().measures, "features of 1 keyframes in long-term memory alone");
 }
 
 /// No patch looks as alike as that.

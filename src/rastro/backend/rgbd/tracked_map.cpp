@@ -47,11 +47,12 @@ int TrackedMap::submap(std::int64_t keyframe) const {
   return index < poses_.size() ? poses_[index].submap : pending_[index - poses_.size()].pose.submap;
 }
 
-std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
+std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options,
+                                              bool bare) const {
   constexpr std::size_t most = 5;
   std::vector<std::pair<double, std::int64_t>> near;
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-    if (poses_[k].submap != submap || keyframes_[k]->features.size() == 0) continue;
+    if (poses_[k].submap != submap || (!bare && keyframes_[k]->features.size() == 0)) continue;
     const SE3& other = poses_[k].world_from_camera;
     const double apart = (other.translation() - pose.translation()).norm() / options.near_distance_m;
     if (near.size() == most && apart >= near.back().first) continue;  // whatever its direction

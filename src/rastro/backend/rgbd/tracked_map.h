@@ -30,9 +30,10 @@ class TrackedMap {
   SE3 pose(std::int64_t keyframe) const;
   int submap(std::int64_t keyframe) const;
   const Matrix6d& covariance(std::int64_t keyframe) const { return covariances_[static_cast<std::size_t>(keyframe)]; }
-  /// Keyframes of `submap` with features whose pose is closest to `pose` in position and viewing direction, the nearest
-  /// first.
-  std::vector<std::int64_t> nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const;
+  /// Keyframes of `submap` whose pose is closest to `pose` in position and viewing direction, the nearest first.
+  /// `bare`: also those without features in memory.
+  std::vector<std::int64_t> nearest(const SE3& pose, int submap, const RgbdSlamOptions& options,
+                                    bool bare = false) const;
   /// Whether an edge between the two has been handed over.
   bool are_connected(std::int64_t a, std::int64_t b) const;
   std::int64_t revision() const { return revision_; }

@@ -92,6 +92,7 @@ TEST(TrackedMap, TheNearestKeyframesAreThoseOfTheSubmapWithFeaturesInTheirOrder)
   options.near_distance_m = 1.0, options.near_angle_rad = 1.0;
   using Ids = std::vector<std::int64_t>;
   EXPECT_EQ(map.nearest(at(0.0), 0, options), (Ids{6, 1, 5, 3, 0})) << "five, without the one that has no features";
+  EXPECT_EQ(map.nearest(at(0.0), 0, options, true), (Ids{4, 6, 1, 5, 3})) << "which is there all the same";
   EXPECT_EQ(map.nearest(at(4.6), 0, options), (Ids{7, 0, 3, 5, 1}));
   EXPECT_EQ(map.nearest(at(4.6), 1, options), Ids{2});
   EXPECT_EQ(map.nearest(at(4.6), 2, options), Ids{});
