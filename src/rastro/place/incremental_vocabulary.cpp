@@ -52,30 +52,44 @@ bool IncrementalVocabularyOf<Value>::fits(const Nearest& nearest) const {
 }
 
 template <typename Value>
-std::vector<std::size_t> IncrementalVocabularyOf<Value>::buckets_near(const Value& descriptor, std::size_t most) const {
-  if (centers_.empty()) return {0};
-  std::vector<Distance> distances(centers_.size());
-  WordDistance<Value>::between(descriptor, centers_, distances);
+std::vector<std::size_t> IncrementalVocabularyOf<Value>::Partition::buckets_near(const Value& descriptor,
+                                                                                 std::size_t most) const {
+  if (centers.empty()) return {0};
+  std::vector<Distance> distances(centers.size());
+  WordDistance<Value>::between(descriptor, centers, distances);
   std::vector<std::pair<Distance, std::size_t>> near;
   for (std::size_t bucket = 0; bucket < distances.size(); ++bucket) near.emplace_back(distances[bucket], bucket);
   const std::size_t count = std::min(most, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
-  std::vector<std::size_t> buckets;
-  for (std::size_t i = 0; i < count; ++i) buckets.push_back(near[i].second);
-  return buckets;
+  std::vector<std::size_t> nearest;
+  for (std::size_t i = 0; i < count; ++i) nearest.push_back(near[i].second);
+  return nearest;
+}
+
+template <typename Value>
+std::size_t IncrementalVocabularyOf<Value>::Partition::comparisons() const {
+  if (centers.empty()) return size;
+  return centers.size() + std::min(searched_buckets, centers.size()) * size / centers.size();
+}
+
+template <typename Value>
+void IncrementalVocabularyOf<Value>::search(const Partition& partition, const Value& descriptor,
+                                            std::vector<Distance>& distances, Nearest& found) {
+  if (partition.size == 0) return;
+  for (const std::size_t index : partition.buckets_near(descriptor, searched_buckets)) {
+    const Bucket& bucket = partition.buckets[index];
+    distances.resize(bucket.values.size());
+    WordDistance<Value>::between(descriptor, bucket.values, distances);
+    for (std::size_t slot = 0; slot < distances.size(); ++slot)
+      if (distances[slot] <= found.second) compare(found, bucket.ids[slot], distances[slot]);
+  }
 }
 
 template <typename Value>
 auto IncrementalVocabularyOf<Value>::nearest(const Value& descriptor, std::vector<Distance>& distances) const
     -> Nearest {
   Nearest found;
-  for (const std::size_t index : buckets_near(descriptor, searched_buckets)) {
-    const Bucket& bucket = buckets_[index];
-    distances.resize(bucket.values.size());
-    WordDistance<Value>::between(descriptor, bucket.values, distances);
-    for (std::size_t slot = 0; slot < distances.size(); ++slot)
-      if (distances[slot] <= found.second) compare(found, bucket.ids[slot], distances[slot]);
-  }
+  for (const Partition& partition : partitions_) search(partition, descriptor, distances, found);
   return found;
 }
 
@@ -113,10 +127,9 @@ std::vector<std::int64_t> IncrementalVocabularyOf<Value>::add(std::span<const Va
     } else {
       words.push_back(found[i].word);
     }
-    const Place& place = places_.at(words.back());
-    ++buckets_[place.bucket].uses[place.slot];
+    use(words.back());
   }
-  rebalance();
+  rebalance(words.size());
   return words;
 }
 
@@ -134,18 +147,9 @@ void IncrementalVocabularyOf<Value>::release(std::span<const std::int64_t> words
     if (word < 0) continue;
     RASTRO_CHECK(contains(word), "a word in use exists");
     const Place place = places_.at(word);
-    Bucket& bucket = buckets_[place.bucket];
-    if (--bucket.uses[place.slot] > 0) continue;
-    places_.at(bucket.ids.back()) = place;
-    places_.erase(word);
-    bucket.values[place.slot] = bucket.values.back();
-    bucket.ids[place.slot] = bucket.ids.back();
-    bucket.uses[place.slot] = bucket.uses.back();
-    bucket.values.pop_back();
-    bucket.ids.pop_back();
-    bucket.uses.pop_back();
+    if (--bucket_of(place).uses[place.slot] == 0) remove(word);
   }
-  rebalance();
+  rebalance(words.size());
 }
 
 template <typename Value>
@@ -154,60 +158,103 @@ void IncrementalVocabularyOf<Value>::restore(std::span<const std::int64_t> words
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] < 0) continue;
     if (!contains(words[i])) insert(words[i], descriptors[i], 0);
-    const Place& place = places_.at(words[i]);
-    ++buckets_[place.bucket].uses[place.slot];
+    use(words[i]);
     next_id_ = std::max(next_id_, words[i] + 1);
   }
-  rebalance();
+  rebalance(words.size());
 }
 
 template <typename Value>
 const Value& IncrementalVocabularyOf<Value>::descriptor(std::int64_t word) const {
   const Place& place = places_.at(word);
-  return buckets_[place.bucket].values[place.slot];
+  return bucket_of(place).values[place.slot];
 }
 
 template <typename Value>
 int IncrementalVocabularyOf<Value>::uses(std::int64_t word) const {
   const Place& place = places_.at(word);
-  return buckets_[place.bucket].uses[place.slot];
+  return bucket_of(place).uses[place.slot];
 }
 
 template <typename Value>
 std::size_t IncrementalVocabularyOf<Value>::comparisons() const {
-  if (centers_.empty()) return size();
-  return centers_.size() + searched_buckets * size() / centers_.size();
+  return now().comparisons() + former().comparisons();
+}
+
+template <typename Value>
+void IncrementalVocabularyOf<Value>::use(std::int64_t word) {
+  const Place& place = places_.at(word);
+  ++bucket_of(place).uses[place.slot];
 }
 
 template <typename Value>
 void IncrementalVocabularyOf<Value>::insert(std::int64_t word, const Value& descriptor, int uses) {
-  const std::size_t index = buckets_near(descriptor, 1).front();
-  Bucket& bucket = buckets_[index];
-  places_[word] = {index, bucket.ids.size()};
+  const std::size_t index = now().buckets_near(descriptor, 1).front();
+  Bucket& bucket = now().buckets[index];
+  places_[word] = {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(bucket.ids.size()), now_};
   bucket.ids.push_back(word);
   bucket.values.push_back(descriptor);
   bucket.uses.push_back(uses);
+  ++now().size;
+}
+
+/// The last of the bucket takes its slot.
+template <typename Value>
+void IncrementalVocabularyOf<Value>::remove(std::int64_t word) {
+  const Place place = places_.at(word);
+  Bucket& bucket = bucket_of(place);
+  places_.at(bucket.ids.back()) = place;
+  places_.erase(word);
+  bucket.values[place.slot] = bucket.values.back();
+  bucket.ids[place.slot] = bucket.ids.back();
+  bucket.uses[place.slot] = bucket.uses.back();
+  bucket.values.pop_back();
+  bucket.ids.pop_back();
+  bucket.uses.pop_back();
+  --partitions_[place.partition].size;
+}
+
+/// More words move than are added, so that they have moved before the number has doubled once more.
+template <typename Value>
+void IncrementalVocabularyOf<Value>::rebalance(std::size_t words) {
+  constexpr std::size_t least_moved = 512;
+  const bool grown = size() > std::max(most_in_one_bucket, 2 * balanced_size_), shrunk = 4 * size() < balanced_size_;
+  if (moving() == 0 && (grown || shrunk)) begin_new_buckets();
+  move_to_new_buckets(std::max(least_moved, 2 * words));
 }
 
 /// Words at regular steps of their ids become the centers.
 template <typename Value>
-void IncrementalVocabularyOf<Value>::rebalance() {
-  const bool grown = size() > std::max(most_in_one_bucket, 2 * balanced_size_), shrunk = 4 * size() < balanced_size_;
-  if (!grown && !shrunk) return;
+void IncrementalVocabularyOf<Value>::begin_new_buckets() {
   balanced_size_ = size() > most_in_one_bucket ? size() : 0;
   std::vector<std::int64_t> ids;
-  for (const auto& [word, place] : places_) ids.push_back(word);
+  for (const Bucket& bucket : now().buckets) ids.insert(ids.end(), bucket.ids.begin(), bucket.ids.end());
   std::sort(ids.begin(), ids.end());
   const auto count = balanced_size_ == 0 ? 0 : static_cast<std::size_t>(std::sqrt(static_cast<double>(size())));
-  std::vector<Value> centers;
-  for (std::size_t i = 0; i < count; ++i) centers.push_back(descriptor(ids[i * ids.size() / count]));
-  centers_ = std::move(centers);
-  const std::vector<Bucket> before = std::exchange(buckets_, std::vector<Bucket>(std::max<std::size_t>(1, count)));
-  const auto places = std::exchange(places_, {});
-  for (const std::int64_t word : ids) {
-    const Place& place = places.at(word);
-    insert(word, before[place.bucket].values[place.slot], before[place.bucket].uses[place.slot]);
+  Partition made;
+  made.buckets.resize(std::max<std::size_t>(1, count));
+  for (std::size_t i = 0; i < count; ++i) made.centers.push_back(descriptor(ids[i * ids.size() / count]));
+  former() = std::move(made);
+  now_ = static_cast<std::uint8_t>(1U - now_);
+}
+
+/// From the last bucket on, each of which leaves with its words.
+template <typename Value>
+void IncrementalVocabularyOf<Value>::move_to_new_buckets(std::size_t most) {
+  Partition& from = former();
+  for (; most > 0 && from.size > 0; --most) {
+    while (from.buckets.back().ids.empty()) {
+      from.buckets.pop_back();
+      from.centers.pop_back();
+    }
+    const Bucket& bucket = from.buckets.back();
+    const std::int64_t word = bucket.ids.back();
+    const Value value = bucket.values.back();
+    const int uses = bucket.uses.back();
+    remove(word);
+    insert(word, value, uses);
   }
+  if (from.size == 0) from = {};
 }
 
 template class IncrementalVocabularyOf<Descriptor>;

@@ -40,15 +40,16 @@ struct WordDistance<RealDescriptor> {
 /// Many words are searched approximately: each is in the bucket of its nearest center (an inverted file, Sivic and
 /// Zisserman 2003), and only the buckets nearest to a feature are searched. Words become the centers of new buckets
 /// whenever their number has doubled or become a quarter, so that the time grows with the square root of the number.
+/// The words move there little by little with the calls that follow, at least 512 with each, so that none takes long.
 template <typename Value>
 class IncrementalVocabularyOf {
  public:
   using Distance = typename WordDistance<Value>::Type;
-  static constexpr std::size_t most_in_one_bucket = 2048;  ///< Up to here the search is exact.
+  static constexpr std::size_t most_in_one_bucket = 2048;  ///< Up to here the search is exact, unless words move.
 
   /// `distance_ratio`, 0..1: a feature is the nearest word where its distance is at most this share of that to the
   /// second nearest one (nearest-neighbor distance ratio).
-  explicit IncrementalVocabularyOf(double distance_ratio = 0.8) : distance_ratio_(distance_ratio), buckets_(1) {}
+  explicit IncrementalVocabularyOf(double distance_ratio = 0.8) : distance_ratio_(distance_ratio) {}
 
   /// The word of each descriptor; one that no word fits becomes a new word, which later ones of the same image may be.
   /// Each is used once more. The result does not depend on the pool.
@@ -69,6 +70,8 @@ class IncrementalVocabularyOf {
   std::int64_t next_id() const { return next_id_; }
   /// Comparisons that the search for one descriptor takes.
   std::size_t comparisons() const;
+  /// Words that have yet to move to new buckets.
+  std::size_t moving() const { return former().size; }
 
  private:
   /// The two words nearest to a descriptor: by distance, then by id.
@@ -82,20 +85,41 @@ class IncrementalVocabularyOf {
     std::vector<std::int64_t> ids;
     std::vector<int> uses;
   };
+  struct Partition {
+    std::vector<Value> centers;  ///< Of the buckets; none while there is one bucket.
+    std::vector<Bucket> buckets = std::vector<Bucket>(1);
+    std::size_t size = 0;  ///< Words.
+
+    std::vector<std::size_t> buckets_near(const Value& descriptor, std::size_t most) const;
+    std::size_t comparisons() const;
+  };
   struct Place {
-    std::size_t bucket = 0, slot = 0;
+    std::uint32_t bucket = 0, slot = 0;
+    std::uint8_t partition = 0;  ///< Of partitions_.
   };
   std::vector<Nearest> nearest(std::span<const Value> descriptors, TaskPool* pool) const;
   Nearest nearest(const Value& descriptor, std::vector<Distance>& distances) const;
+  static void search(const Partition& partition, const Value& descriptor, std::vector<Distance>& distances,
+                     Nearest& found);
   static void compare(Nearest& nearest, std::int64_t word, Distance distance);
   bool fits(const Nearest& nearest) const;
-  std::vector<std::size_t> buckets_near(const Value& descriptor, std::size_t most) const;
+  Partition& now() { return partitions_[now_]; }
+  const Partition& now() const { return partitions_[now_]; }
+  Partition& former() { return partitions_[1U - now_]; }
+  const Partition& former() const { return partitions_[1U - now_]; }
+  const Bucket& bucket_of(const Place& place) const { return partitions_[place.partition].buckets[place.bucket]; }
+  Bucket& bucket_of(const Place& place) { return partitions_[place.partition].buckets[place.bucket]; }
+  void use(std::int64_t word);
   void insert(std::int64_t word, const Value& descriptor, int uses);
-  void rebalance();
+  void remove(std::int64_t word);
+  void rebalance(std::size_t words);
+  void begin_new_buckets();
+  void move_to_new_buckets(std::size_t most);
 
   double distance_ratio_;
-  std::vector<Value> centers_;  ///< Of the buckets; none while there is one bucket.
-  std::vector<Bucket> buckets_;
+  /// One for new words, and one for those that have not moved yet: most often there are none.
+  std::array<Partition, 2> partitions_;
+  std::uint8_t now_ = 0;                            ///< That for new words.
   std::unordered_map<std::int64_t, Place> places_;  ///< By id.
   std::size_t balanced_size_ = 0;                   ///< When the buckets were made.
   std::int64_t next_id_ = 0;

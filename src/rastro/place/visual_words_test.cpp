@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "rastro/base/random.h"
 
@@ -72,6 +75,35 @@ TEST(IncrementalVocabulary, FindsTheWordsOfNoisyFeaturesAmongMany) {
     EXPECT_TRUE(found[i] == -1 || found[i] == static_cast<std::int64_t>(20 * i)) << "never another one";
   }
   EXPECT_GT(right, 850) << "of 1000, though nothing is worse to search than random descriptors";
+}
+
+/// With a million words, all at once would take seconds.
+TEST(IncrementalVocabulary, WordsMoveToNewBucketsLittleByLittleAndAreFoundAllTheWhile) {
+  constexpr std::size_t at_once = 200, most_moved = 512;
+  Random random(9);
+  IncrementalVocabulary vocabulary;
+  std::vector<Descriptor> all;
+  std::vector<std::int64_t> words;
+  std::size_t most_moving = 0, before = 0;
+  for (int image = 0; image < 44; ++image) {
+    std::vector<Descriptor> seen;
+    for (std::size_t i = 0; i < at_once; ++i) seen.push_back(random_descriptor(random));
+    const auto added = vocabulary.add(seen);
+    all.insert(all.end(), seen.begin(), seen.end());
+    words.insert(words.end(), added.begin(), added.end());
+    const std::size_t moving = vocabulary.moving();
+    if (before > 0) {
+      EXPECT_EQ(moving, before - std::min(before, most_moved)) << image;
+    }
+    most_moving = std::max(most_moving, std::exchange(before, moving));
+    if (image % 4 == 0) {
+      ASSERT_EQ(vocabulary.find(all), words) << image;
+    }
+  }
+  EXPECT_GT(most_moving, 4000U);
+  EXPECT_EQ(vocabulary.moving(), 0U);
+  vocabulary.release(std::span(words).first(words.size() - at_once));
+  EXPECT_EQ(vocabulary.size(), at_once);
 }
 
 TEST(IncrementalVocabulary, KeepsItsWordsWhenBucketsAreMadeAnew) {
