@@ -282,6 +282,19 @@ places() {
   [[ ! -e $here/no ]] || fail "a refused export left a folder"
 }
 
+# Ctrl-C leaves the cloud too, or says what makes it where that takes long.
+interrupt_one() {
+  local run=$here/stopped process
+  "$rastro" slam "$here/long" "$@" --out "$run" >"$here/stdout" 2>"$here/stderr" &
+  process=$!
+  while [[ $(lines "$run/trajectory_online.txt") -lt 8 ]]; do
+    kill -0 $process 2>/dev/null || fail "the run ended before it could be interrupted: $(cat "$here/stderr")"
+    read -r -t 0.05 <> <(:) || true
+  done
+  kill -INT $process
+  wait $process || fail "Ctrl-C: $(cat "$here/stderr")"
+  [[ -s $run/cloud.ply ]] || said 'rastro export'
+}
 kill_runs() {
   local number
   RANDOM=7
@@ -347,7 +360,10 @@ view() {
 
 case $case_name in
   make_room | files | landmarks | places | view) $case_name ;;
-  kill) kill_runs --method rgbd ;;
+  kill)
+    kill_runs --method rgbd
+    interrupt_one --method rgbd
+    ;;
   kill_locations) kill_runs --method rtabmap --set keyframe_frames=20 ;;
   kill_landmarks) kill_runs --method orb --sensor rgbd ;;
   *) fail "no case '$case_name'" ;;

@@ -13,6 +13,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/hash.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/export/cloud_image.h"
 #include "rastro/export/grid_image.h"
 #include "rastro/export/grid_map_server.h"
@@ -115,13 +116,24 @@ constexpr MapImageFile map_image_files[] = {
     {[](const MapOfRun&) { return true; }, write_planar_image},
 };
 
-/// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file.
-PointCloud cloud_of(const Map& map, const SlamContext& context) {
+struct TookTooLong {};
+
+/// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file. nullopt: whoever pressed Ctrl-C
+/// does not wait that long. Only whether there is one depends on the clock.
+std::optional<PointCloud> cloud_of(const Map& map, const SlamContext& context, bool interrupted) {
+  constexpr double most_ms = 700.0;           // of two seconds for all
   constexpr std::size_t bytes_a_voxel = 256;  // with room to grow; half of what is allowed is left to the rest
   CloudOptions options = cloud_options_for(map);
   if (context.max_memory_bytes > 0)
     options.max_voxels = std::min(options.max_voxels, context.max_memory_bytes / 2 / bytes_a_voxel + 1);
-  return build_cloud(map, options, context.pool);
+  const Stopwatch watch;
+  try {
+    return build_cloud(map, options, context.pool, [&](std::size_t, std::size_t) {
+      if (interrupted && watch.elapsed_ms() > most_ms) throw TookTooLong();
+    });
+  } catch (const TookTooLong&) {
+    return std::nullopt;
+  }
 }
 
 void write_hashed_files(const MapOfRun& run, HashedFiles& files) {
@@ -220,9 +232,9 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
     write_hashed_files(run, files);
     outputs.files = files.names();
     if (run.grid) outputs.grid = size_of(*run.grid);
-    // Building it may take longer than a user who pressed Ctrl-C waits; the map has all that it is made of.
-    if (images_of(run.map) && !end.result.interrupted) {
-      run.cloud = cloud_of(run.map, context);
+    if (images_of(run.map)) run.cloud = cloud_of(run.map, context, end.result.interrupted);
+    outputs.lacks_cloud = images_of(run.map) && !run.cloud;
+    if (run.cloud) {
       write_whole_file(folder.file("cloud.ply"), cloud_ply(*run.cloud, "world"));
       outputs.files.push_back("cloud.ply");
     }
@@ -253,6 +265,9 @@ std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, cons
     text += fmt::format("  dropped      {} frames were not mapped because mapping was too slow\n",
                         result.timing.dropped_frames);
   for (const InputWarning& warning : result.warnings) text += fmt::format("  warning      {}\n", warning.text);
+  if (outputs.lacks_cloud)
+    text +=
+        fmt::format("  cloud        left out after the interruption: 'rastro export {} --to ply --out FILE'\n", folder);
   text += fmt::format("  result       sha256 {}\n", result.result_sha256);
   text += fmt::format("written to {}: {} result.json stats.csv\n", folder, fmt::join(outputs.files, " "));
   if (result.skipped_frames > 0) {

@@ -16,6 +16,7 @@ enum class SlamTask { map, localize };
 /// What was written, for slam_summary().
 struct SlamOutputs {
   std::vector<std::string> files;  ///< Names, in order.
+  bool lacks_cloud = false;        ///< The run was interrupted, and cloud.ply takes long.
   std::string grid;                ///< Size of the occupancy grid, such as "9.5 x 4.0 m in cells of 0.05 m"; or empty.
 };
 
