@@ -90,8 +90,8 @@ void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"start_depth_points",
              &o.start_depth_points,
              "",
-             "features with depth that initialization needs, with a stereo or depth camera: within far_baselines, or "
-             "after 10 frames with fewer of these at any distance",
+             "features with depth that initialization needs, with a stereo or depth camera; min_inliers of them within "
+             "far_baselines",
              20,
              20000,
              {}});

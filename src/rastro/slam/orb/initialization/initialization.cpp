@@ -89,7 +89,7 @@ bool Initialization::create_map(const InitialPair& pair, SlamUpdate& update) {
 void Initialization::from_depth(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update) {
   if (!may_begin()) return;
   const auto near = static_cast<int>(keyframes_.new_depth_features(*frame, {}).size());
-  if (!has_enough_near(frame, near, update)) return;
+  if (!has_enough_near(*frame, near, update)) return;
   pipeline_.take_all_results(update.events);
   const auto keyframe = frame->with_id(session_.next_keyframe++);
   const int submap = next_submap();
@@ -97,40 +97,23 @@ void Initialization::from_depth(const std::shared_ptr<const FeatureFrame>& frame
   begin_tracking(keyframe->data().id);
   restart_at(keyframe->data().id);
   add_keyframe(*keyframe);
-  track_waiting_frames(keyframe->data().id);
   report(fmt::format("{} started with {} points", submap, near), update);
   update.world_from_body = SE3();
 }
 
-/// Only near depths become landmarks. Where most are far, as on a street, the next frames may show more near ones; if
-/// they do not, as many as tracking needs are enough.
-bool Initialization::has_enough_near(const std::shared_ptr<const FeatureFrame>& frame, int near, SlamUpdate& update) {
-  constexpr std::size_t most_waiting = 10;
+/// Only near depths become landmarks, and tracking needs some.
+bool Initialization::has_enough_near(const FeatureFrame& frame, int near, SlamUpdate& update) const {
   const OrbSlamOptions& options = session_.options;
-  if (near >= options.start_depth_points) return true;
-  const auto& depths = frame->data().depths;
+  const auto& depths = frame.data().depths;
   const auto known = std::count_if(depths.begin(), depths.end(), [](float depth) { return depth > 0.0F; });
-  const std::size_t waited = std::min(most_waiting, static_cast<std::size_t>(options.init_frames));
   const bool enough = known >= options.start_depth_points;
-  if (enough && near >= options.min_inliers && initializer_.frames().size() >= waited) return true;
+  if (enough && near >= options.min_inliers) return true;
   update.reason = SlamReason::too_few_points;
   update.detail = fmt::format("needs at least {} features with depth, got {}", options.start_depth_points, known);
-  if (!enough) return false;
-  update.detail += fmt::format(", {} of them within {:.1f} m", near, options.far_baselines * session_.sensor.baseline);
-  initializer_.keep(frame);
+  if (enough)
+    update.detail += fmt::format(", but only {} of them within {:.1f} m, of which {} are needed", near,
+                                 options.far_baselines * session_.sensor.baseline, options.min_inliers);
   return false;
-}
-
-/// Backward from the first keyframe, as far as tracking succeeds.
-void Initialization::track_waiting_frames(std::int64_t keyframe) {
-  const auto& frames = initializer_.frames();
-  for (std::size_t i = frames.size(); i-- > 0;) {
-    const TrackingResult tracked = tracker_.track(frames[i]);
-    if (!tracked.ok) break;
-    add_frame(*frames[i], tracked);
-  }
-  initializer_.clear();
-  restart_at(keyframe);
 }
 
 /// Reuses the number of a dropped map.

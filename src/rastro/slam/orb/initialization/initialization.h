@@ -37,7 +37,7 @@ class Initialization {
  private:
   void from_two_views(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
   void from_depth(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
-  bool has_enough_near(const std::shared_ptr<const FeatureFrame>& frame, int near, SlamUpdate& update);
+  bool has_enough_near(const FeatureFrame& frame, int near, SlamUpdate& update) const;
   bool may_begin() const;
   void report_waiting(SlamUpdate& update) const;
   bool create_map(const InitialPair& pair, SlamUpdate& update);
@@ -48,7 +48,6 @@ class Initialization {
   void report(std::string event, SlamUpdate& update) const;
   void track_kept_frames(const InitialPair& pair);
   void track_backward(std::size_t first);
-  void track_waiting_frames(std::int64_t keyframe);
   void restart_at(std::int64_t keyframe);
 
   OrbSession& session_;
