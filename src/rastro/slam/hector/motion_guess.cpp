@@ -79,9 +79,19 @@ double MotionGuess::period_s() const {
   return std::max(1e-3, *middle);
 }
 
-/// Scanners rotate evenly, but the stamps of some logs are irregular, so time is counted in scans.
+/// Some logs have the time at which a scan was read: several at once, the next one late, or out of order. Missing scans
+/// make periods longer, but none shorter than that of the scanner.
+bool MotionGuess::stamps_tell_scans() const {
+  constexpr double shortest_period_s = 0.005, most_ratio = 5.0;
+  std::vector<double> sorted(periods_.begin(), periods_.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double shorter = sorted[sorted.size() / 5], longer = sorted[3 * sorted.size() / 4];
+  return sorted.front() > 0.0 && sorted[sorted.size() / 2] > shortest_period_s && longer < most_ratio * shorter;
+}
+
+/// Scanners rotate evenly, so time is counted in scans, where stamps tell them.
 double MotionGuess::scans_since_last(TimeNs stamp) const {
-  if (periods_.size() < periods_kept) return 1.0;
+  if (periods_.size() < periods_kept || !stamps_tell_scans()) return 1.0;
   const double scans = seconds_between(last_stamp_, stamp) / period_s();
   return scans < 3.0 ? 1.0 : std::min(scans, most_scans_ahead);
 }

@@ -41,6 +41,7 @@ class MotionGuess {
   void remember(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
   double many_periods_s(TimeNs from, TimeNs to) const;
   double period_s() const;
+  bool stamps_tell_scans() const;
   double scans_since_last(TimeNs stamp) const;
   bool jumps(double distance_m, TimeNs stamp) const;
   void watch_odometry(const SE2& odometry_from_body, const SE2& moved);

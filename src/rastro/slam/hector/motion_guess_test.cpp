@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "rastro/slam/hector/hector_testing.h"
 
@@ -122,6 +123,38 @@ TEST(MotionGuess, AStepOverMissingScansIsDividedAmongThem) {
   MotionGuess guess = moved_steadily(options, 20);
   guess.settle(24 * period, {}, pose_of(4.8, 0.0, 0.0));  // 0.8 m in four periods
   EXPECT_NEAR(guess.guess(25 * period, {}).local_from_body.translation().x(), 5.0, 1e-9);
+}
+
+/// As some logs have it: 5 scans a second, read several at once.
+TEST(MotionGuess, StampsOfWhenScansWereReadTellNoMissingOnes) {
+  const HectorOptions options;
+  const auto milliseconds = [](int ms) { return static_cast<TimeNs>(ms) * 1'000'000; };
+  for (const std::vector<int>& periods_ms :
+       {std::vector{530, 1, 70}, {550, 50, 1}, {600, 1, 1}, {200, 200, 160, 760, -320}}) {
+    MotionGuess guess(options);
+    TimeNs stamp = milliseconds(1000);
+    for (std::size_t k = 0; k <= 45; ++k) {
+      const SE2 pose = pose_of(0.06 * static_cast<double>(k), 0.0, 0.0);
+      if (k >= 16) {
+        EXPECT_LT(distance(guess.guess(stamp, {}).local_from_body, pose), 1e-9) << k << ' ' << periods_ms.front();
+      }
+      guess.settle(stamp, {}, pose);
+      stamp += milliseconds(periods_ms[k % periods_ms.size()]);
+    }
+    const SE2 late = guess.guess(stamp + milliseconds(1200), {}).local_from_body;
+    EXPECT_LT(distance(late, pose_of(0.06 * 46, 0.0, 0.0)), 1e-9);
+  }
+}
+
+TEST(MotionGuess, AFewMissingScansAmongRegularOnesAreCounted) {
+  const HectorOptions options;
+  MotionGuess guess(options);
+  int at = 0;
+  for (int k = 0; k <= 40; ++k) {
+    guess.settle(at * period, {}, pose_of(0.2 * at, 0.0, 0.0));
+    at += k % 5 == 4 ? 4 : 1;
+  }
+  EXPECT_NEAR(guess.guess((at + 3) * period, {}).local_from_body.translation().x(), 0.2 * (at + 3), 1e-9);
 }
 
 TEST(MotionGuess, AnUntrustedOneIsTheLastPose) {
