@@ -117,9 +117,13 @@ void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUp
 
 void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
   Stopwatch stage;
-  const ScanGuess guess = guess_.guess(frame.stamp, frame.odometry_from_body);
+  ScanGuess guess = guess_.guess(frame.stamp, frame.odometry_from_body);
+  guess.after_loss = lost_;
+  guess.after_gap = guess_.gap_s(frame.stamp) > 0.0;
   FollowedScan followed = follower_.follow(*open_submap(), scan.points, guess);
   update.times.push_back({"match", stage.lap_ms()});
+  // The map goes on in unmapped space from a known pose, or apart from what was mapped before.
+  if (lost_ && followed.unmapped && !guess.after_gap) followed.fits = followed.unmapped = false;
   const std::optional<ScanGap> gap = account_for_motion(frame, guess, followed);
   judge(followed, update);
   if (gap) report(*gap, update);
@@ -158,7 +162,7 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
   if (lost_) {
     update.state = SlamState::lost;
     update.reason = SlamReason::poor_match;
-    update.detail = fmt::format("match score {:.2f}, needs {:.2f}", followed.score, options_.min_score);
+    update.detail = fmt::format("match score {:.2f}, needs {:.2f}", followed.score, followed.needs);
   } else {
     judge_fitting(followed, update);
   }

@@ -27,6 +27,10 @@ constexpr double clear_step_m = 0.02, clear_step_rad = 0.02;
 /// After this many jumps, each made up for by 20 plausible steps, odometry is used no more: its unit is wrong.
 constexpr double most_distrust = 10.0, trust_of_step = 0.05;
 
+Eigen::Vector3d vector_of(const SE2& moved) {
+  return {moved.translation().x(), moved.translation().y(), moved.rotation().angle()};
+}
+
 double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 
 }  // namespace
@@ -140,8 +144,13 @@ void MotionGuess::settle(TimeNs stamp, const std::optional<SE2>& odometry_from_b
   // The step from a guess to a scan also holds what the guess was wrong by.
   const bool between_scans = started_ && by_scan && last_stamp_ == last_seen_stamp_;
   if (between_scans && odometry_from_body) learn_scale(*odometry_from_body, last_.inverse() * local_from_body);
+  const bool from_guess = unseen_frames_ > 0;
+  const double scans = scans_since_last(stamp) + unseen_frames_;
   remember(stamp, odometry_from_body, local_from_body);
+  if (from_guess) step_ = vector_of(last_seen_.inverse() * local_from_body) / scans;
   unseen_growth_.setZero();
+  unseen_frames_ = 0;
+  last_seen_ = local_from_body;
   last_seen_stamp_ = stamp;
 }
 
@@ -149,14 +158,14 @@ void MotionGuess::settle_unseen(TimeNs stamp, const std::optional<SE2>& odometry
                                 const SE2& local_from_body) {
   remember(stamp, odometry_from_body, local_from_body);
   unseen_growth_ += growth_;
+  ++unseen_frames_;
 }
 
 void MotionGuess::remember(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body) {
   if (started_) {
     const SE2 moved = last_.inverse() * local_from_body;
     if (odometry_from_body) watch_odometry(*odometry_from_body, moved);
-    step_ << moved.translation(), moved.rotation().angle();
-    step_ /= scans_since_last(stamp);
+    step_ = vector_of(moved) / scans_since_last(stamp);
     if (jumps(moved.translation().norm(), stamp)) step_.setZero();
     periods_.push_back(seconds_between(last_stamp_, stamp));
     if (periods_.size() > periods_kept) periods_.pop_front();

@@ -48,11 +48,12 @@ class MotionGuess {
   void learn_scale(const SE2& odometry_from_body, const SE2& moved);
 
   const HectorOptions& options_;
-  SE2 last_;
+  SE2 last_, last_seen_;  ///< Of the last frame, and of the last scan that told a pose.
   std::optional<SE2> last_odometry_;
   OdometryScale scale_;
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, meters and radians.
-  TimeNs last_stamp_ = 0, last_seen_stamp_ = 0;     ///< Of the last frame, and of the last scan that told a pose.
+  TimeNs last_stamp_ = 0, last_seen_stamp_ = 0;     ///< The same.
+  int unseen_frames_ = 0;                           ///< Since that scan.
   /// Growth of sigma with the motion, meters and radians: of the last guess, and over the frames since that scan.
   Eigen::Vector2d growth_ = Eigen::Vector2d::Zero(), unseen_growth_ = Eigen::Vector2d::Zero();
   std::deque<double> periods_;  ///< Seconds between the last scans.

@@ -157,6 +157,20 @@ TEST(MotionGuess, AFewMissingScansAmongRegularOnesAreCounted) {
   EXPECT_NEAR(guess.guess((at + 3) * period, {}).local_from_body.translation().x(), 0.2 * (at + 3), 1e-9);
 }
 
+TEST(MotionGuess, WhatAGuessWasWrongByIsNoSpeed) {
+  const HectorOptions options;
+  MotionGuess guess(options);
+  const auto turned = [](double angle) { return pose_of(0.0, 0.0, angle); };
+  guess.settle(0, {}, turned(0.0));
+  guess.settle(period, {}, turned(0.2));
+  for (const int k : {2, 3}) {
+    EXPECT_LT(distance(guess.guess(k * period, {}).local_from_body, turned(0.2 * k)), 1e-9);
+    guess.settle_unseen(k * period, {}, turned(0.2 * k));
+  }
+  guess.settle(4 * period, {}, turned(0.5));  // 0.3 in three scans
+  EXPECT_LT(distance(guess.guess(5 * period, {}).local_from_body, turned(0.6)), 1e-9);
+}
+
 TEST(MotionGuess, AnUntrustedOneIsTheLastPose) {
   HectorOptions options;
   options.guess = "none";

@@ -148,7 +148,8 @@ void add_loop_options(OptionTable& table, HectorOptions& o) {
   table.add({"loop_min_score",
              &o.loop_min_score,
              "",
-             "minimum mean occupancy (0..1) of an old submap at the returns for a loop closure",
+             "minimum mean occupancy (0..1) of an old submap at the returns for a loop closure, and of the map "
+             "where a scan fits badly at first or the one before was lost",
              0,
              1,
              {}});

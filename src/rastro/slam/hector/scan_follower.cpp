@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <numbers>
 
 namespace rastro {
 namespace {
@@ -90,17 +91,23 @@ bool ScanFollower::contradicted(const ScanToMapFit& fit, std::size_t points) con
   return mostly_unknown && !unmapped(fit) && fit.agreement < options_.min_score;
 }
 
+/// Around a guess that the map contradicts, all that its sigma allows: without odometry the motion may have ended.
+CorrelativeWindow ScanFollower::window(const ScanGuess& guess, bool doubtful) const {
+  // The surroundings may be mostly unmapped: the better of the two fits decides, not the least score.
+  constexpr double sigmas = 4.0, farthest = 2.5, least_score = 0.2;
+  const double within_m = sigmas * guess.sigma_m, within_rad = sigmas * guess.sigma_rad;
+  if (doubtful) {
+    return {std::clamp(within_m, options_.search_reach_m, farthest * options_.search_reach_m),
+            std::max(options_.search_reach_rad, std::min(within_rad, std::numbers::pi)), least_score};
+  }
+  return {std::min(options_.search_reach_m, within_m), std::min(options_.search_reach_rad, within_rad), least_score};
+}
+
 /// Best match in the window around the guess; nullopt where the map tells nothing of it.
 std::optional<ScanToMapFit> ScanFollower::searched(Submap& map, std::span<const Eigen::Vector2d> points,
-                                                   const ScanGuess& guess, bool poor) const {
-  // The surroundings may be mostly unmapped: the better of the two fits decides, not this.
-  constexpr double least_score = 0.2;
-  constexpr double sigmas = 4.0;
-  const CorrelativeWindow window{
-      poor ? options_.search_reach_m : std::min(options_.search_reach_m, sigmas * guess.sigma_m),
-      poor ? options_.search_reach_rad : std::min(options_.search_reach_rad, sigmas * guess.sigma_rad), least_score};
-  const auto found =
-      map.correlative().search(points, map.local_from_submap().inverse() * guess.local_from_body, window);
+                                                   const ScanGuess& guess, bool doubtful) const {
+  const auto found = map.correlative().search(points, map.local_from_submap().inverse() * guess.local_from_body,
+                                              window(guess, doubtful));
   if (!found) return std::nullopt;
   const auto fit = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, {options_.match_iterations});
   return fit && !unmapped(*fit) ? fit : std::nullopt;
@@ -136,15 +143,19 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   const auto better = [&](const ScanToMapFit& a, const ScanToMapFit& b) {
     return cost_of(a, points.size(), prior) < cost_of(b, points.size(), prior);
   };
-  followed.searched = poor || guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
+  // Far from what was expected much fits a little.
+  const bool doubtful = poor || guess.after_loss;
+  followed.searched = doubtful || guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
   if (followed.searched) {
-    const auto other = searched(map, points, guess, poor);
-    if (other && (!fit || (poor ? other->score > fit->score : better(*other, *fit)))) fit = other;
+    const auto other = searched(map, points, guess, doubtful);
+    if (other && (!fit || (doubtful ? other->score > fit->score : better(*other, *fit)))) fit = other;
   }
   if (!fit) return followed;
   followed.score = fit->score;
   followed.mapped = fit->mapped;
-  followed.fits = !contradicted(*fit, points.size());
+  const bool must_be_clear = doubtful && !guess.after_gap && !unmapped(*fit);
+  followed.needs = must_be_clear ? options_.loop_min_score : options_.min_score;
+  followed.fits = !contradicted(*fit, points.size()) && (!must_be_clear || clear(*fit));
   if (!followed.fits) return followed;
   followed.unmapped = unmapped(*fit);
   if (followed.unmapped) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/math/se2.h"
+#include "rastro/registration/correlative_search.h"
 #include "rastro/registration/scan_to_map.h"
 #include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/submap.h"
@@ -22,6 +23,7 @@ struct FollowedScan {
   Eigen::Matrix3d guess_covariance = Eigen::Matrix3d::Zero();
   bool searched = false;  ///< The larger window was searched.
   bool fits = false;      ///< Nothing contradicts the pose. False: it is the guess.
+  double needs = 0.0;     ///< The score that it had to reach.
   bool unmapped = false;  ///< It fits, but where too little is mapped to tell: the pose is the guess.
   int mapped = 0;         ///< Returns that lie where the map is known.
   std::optional<Eigen::Vector2d> unseen_direction =
@@ -33,8 +35,10 @@ struct FollowedScan {
 struct ScanGuess {
   SE2 local_from_body;
   double sigma_m = 0.1, sigma_rad = 0.1;
-  bool trusted = true;    ///< False: the guess is only the last pose and must not act as a prior.
-  bool measured = false;  ///< By odometry; else the motion is assumed to go on as it was.
+  bool trusted = true;      ///< False: the guess is only the last pose and must not act as a prior.
+  bool measured = false;    ///< By odometry; else the motion is assumed to go on as it was.
+  bool after_gap = false;   ///< What comes is mapped apart from what was mapped before.
+  bool after_loss = false;  ///< The last scan matched nowhere: what fits a little may be anywhere.
 };
 
 /// Matches scans one after the other to the map that grows with them (Kohlbrecher et al. 2011, section IV).
@@ -46,8 +50,10 @@ class ScanFollower {
  private:
   bool unmapped(const ScanToMapFit& fit) const { return fit.mapped < options_.min_returns; }
   bool contradicted(const ScanToMapFit& fit, std::size_t points) const;
+  bool clear(const ScanToMapFit& fit) const { return fit.agreement >= options_.loop_min_score; }
+  CorrelativeWindow window(const ScanGuess& guess, bool doubtful) const;
   std::optional<ScanToMapFit> searched(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
-                                       bool poor) const;
+                                       bool doubtful) const;
   static std::vector<Eigen::Vector2d> structure(const Submap& map, std::span<const Eigen::Vector2d> points,
                                                 const SE2& submap_from_body);
   void keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,

@@ -227,5 +227,32 @@ TEST(ScanFollowerLimits, UnknownSpaceDoesNotMakeUpForAMatchThatContradictsTheMap
   EXPECT_EQ(followed.local_from_body.matrix(), room.ground_truth.matrix());
 }
 
+/// Half of the returns end in free space.
+TEST(ScanFollowerLimits, AfterALossAPoseMustAgreeClearly) {
+  RoomToFollow room;
+  for (std::size_t i = 0; i < room.points.size(); i += 2) room.points[i] *= 0.5;
+  ScanGuess guess{room.ground_truth, 0.05, 0.02};
+  const auto follow = [&] { return ScanFollower(room.options).follow(room.submap, room.points, guess); };
+  const FollowedScan usual = follow();
+  ASSERT_GT(usual.score, room.options.min_score);
+  ASSERT_LT(usual.score, room.options.loop_min_score);
+  EXPECT_TRUE(usual.fits);
+  guess.after_loss = true;
+  EXPECT_FALSE(follow().fits);
+  EXPECT_EQ(follow().needs, room.options.loop_min_score);
+  EXPECT_EQ(follow().local_from_body.matrix(), guess.local_from_body.matrix());
+  guess.after_gap = true;
+  EXPECT_TRUE(follow().fits) << "what comes is mapped apart";
+}
+
+TEST(ScanFollowerLimits, AfterALossAllThatTheGuessAllowsIsSearched) {
+  RoomToFollow room;
+  ScanGuess guess{room.ground_truth * pose_of(0.7, 0.0, 1.0), 0.25, 0.3};
+  guess.after_loss = true;
+  const FollowedScan followed = ScanFollower(room.options).follow(room.submap, room.points, guess);
+  ASSERT_TRUE(followed.fits);
+  EXPECT_LT((followed.local_from_body.translation() - room.ground_truth.translation()).norm(), 0.03);
+}
+
 }  // namespace
 }  // namespace rastro
