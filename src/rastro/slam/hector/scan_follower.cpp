@@ -96,6 +96,8 @@ CorrelativeWindow ScanFollower::window(const ScanGuess& guess, bool doubtful) co
   // The surroundings may be mostly unmapped: the better of the two fits decides, not the least score.
   constexpr double sigmas = 4.0, farthest = 2.5, least_score = 0.2;
   const double within_m = sigmas * guess.sigma_m, within_rad = sigmas * guess.sigma_rad;
+  // After a gap a match may be a poor one, as what comes is mapped apart: no place is searched for.
+  if (doubtful && guess.after_gap) return {options_.search_reach_m, options_.search_reach_rad, least_score};
   if (doubtful) {
     return {std::clamp(within_m, options_.search_reach_m, farthest * options_.search_reach_m),
             std::max(options_.search_reach_rad, std::min(within_rad, std::numbers::pi)), least_score};
