@@ -304,6 +304,22 @@ TEST(RecoverMap, ALostKeyframeTakesItsLayersConstraintsAndFramesWithIt) {
   EXPECT_EQ(check_map_file(saved).damage, "");
 }
 
+TEST(RecoverMap, AConstraintThatCannotBeOptimizedIsRefusedAndCostsItself) {
+  Map map = room();
+  map.constraints[1].information(3, 3) = -1.0;
+  const fs::path file = scratch_path("indefinite.rastro");
+  save_map(map, file);
+  EXPECT_THAT(message_of([&] { load_map(file); }),
+              testing::AllOf(HasSubstr("indefinite.rastro"), HasSubstr("not positive definite"), HasSubstr("recover")));
+  const RecoveredMap rest = recover_map(file);
+  EXPECT_THAT(rest.lost, testing::ElementsAre("1 constraints that cannot be optimized"));
+  EXPECT_EQ(rest.map->constraints.size(), room().constraints.size() - 1);
+  EXPECT_EQ(rest.map->keyframes.size(), room().keyframes.size());
+  const fs::path saved = scratch_path("saved.rastro");
+  save_map(*rest.map, saved);
+  EXPECT_EQ(check_map_file(saved).damage, "");
+}
+
 void add_all_images(const Map& map, MapArchive& archive) {
   for (const Keyframe& keyframe : map.keyframes) archive.add_images(keyframe.id, images_of(map)->read(keyframe.id));
 }

@@ -135,8 +135,9 @@ void repair(Map& map) {
     return static_cast<std::size_t>(keyframe.camera) >= std::max<std::size_t>(1, map.cameras.size());
   });
   repair_tree(map);
-  std::erase_if(map.constraints,
-                [&](const Constraint& each) { return !map.index_of(each.from) || !map.index_of(each.to); });
+  std::erase_if(map.constraints, [&](const Constraint& each) {
+    return !map.index_of(each.from) || !map.index_of(each.to) || !fault_of(each).empty();
+  });
   std::erase_if(map.frames, [&](const MapFrame& frame) { return !map.index_of(frame.keyframe); });
   // Features must be read before the layers that refer to them; the order of layer names does not ensure this.
   for (int round = 0; round < 2; ++round) {

@@ -22,7 +22,7 @@ bool is_landmark_head(std::string_view body);
 /// Passes the head to `read`: that of the table `head`, else its copy. False where neither can be read.
 bool with_head(RowSource& rows, const RowSource::Read& read);
 
-/// Removes dangling references: of a killed run, or of a damaged file.
+/// Removes dangling references and constraints with a fault: of a killed run, or of a damaged file.
 void repair(Map& map);
 
 }  // namespace rastro

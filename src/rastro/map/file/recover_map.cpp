@@ -106,7 +106,9 @@ RecoveredMap recover_map(const std::filesystem::path& file) {
   if (!version)
     throw Error("nothing of a map was found", rows.file(), "give the map.rastro of a run; this one is beyond saving");
   const std::shared_ptr<Map> map = read_map(rows, *version);
-  const std::size_t constraints = map->constraints.size(), frames = map->frames.size();
+  const std::size_t frames = map->frames.size();
+  const std::size_t invalid = std::erase_if(map->constraints, [](const auto& each) { return !fault_of(each).empty(); });
+  const std::size_t constraints = map->constraints.size();
   repair(*map);
   const std::string fault = contradiction_in(*map);
   if (!fault.empty()) throw Error(fault, rows.file(), "this one is beyond saving");
@@ -115,6 +117,7 @@ RecoveredMap recover_map(const std::filesystem::path& file) {
   const auto counts = counts_in(rows);
   result.finished = counts.has_value();
   result.lost = lost_of(rows, *version, counts);
+  if (invalid > 0) result.lost.push_back(fmt::format("{} constraints that cannot be optimized", invalid));
   if (map->constraints.size() < constraints)
     result.lost.push_back(fmt::format("{} constraints of lost keyframes", constraints - map->constraints.size()));
   if (map->frames.size() < frames)

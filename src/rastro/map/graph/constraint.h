@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "rastro/map/graph/keyframe_id.h"
 #include "rastro/math/se3.h"
@@ -34,5 +35,9 @@ struct Constraint {
 
   SE3 rigid() const { return {from_from_to.rotation(), from_from_to.translation()}; }  ///< Without the scale.
 };
+
+/// What keeps a constraint out of any pose graph, as a clause such as "has a constraint whose numbers are not finite";
+/// empty if nothing does.
+std::string fault_of(const Constraint& constraint);
 
 }  // namespace rastro

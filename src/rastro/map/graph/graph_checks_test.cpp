@@ -52,6 +52,26 @@ TEST(ContradictionIn, AConstraintThatIsNotFinite) {
   }
 }
 
+/// All that a pose graph refuses.
+TEST(ContradictionIn, AConstraintThatCannotBeOptimized) {
+  const auto fault_after = [](const std::function<void(Constraint&)>& damage) {
+    Map map = chain(3);
+    map.constraints = {constraint_of(0, 1), constraint_of(1, 2)};
+    damage(map.constraints[1]);
+    return contradiction_in(map);
+  };
+  const char* const not_positive = "has a constraint whose information is not positive definite";
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information(5, 5) = -1.0; }), not_positive);
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information(0, 0) = 0.0; }), not_positive);
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information.setZero(); }), not_positive);
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information(0, 4) = each.information(4, 0) = 1.0; }), not_positive);
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information *= std::numeric_limits<double>::max(); }), not_positive)
+      << "its root is not finite";
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information(0, 4) = 1.9; }), "") << "half of it on either side";
+  EXPECT_EQ(fault_after([](Constraint& each) { each.information *= 1e-12; }), "") << "little, but of every direction";
+  EXPECT_EQ(fault_after([](Constraint& each) { each.to = each.from; }), "has a constraint of a keyframe to itself");
+}
+
 TEST(ContradictionIn, ACycleWithoutARootIsFoundFromAnyKeyframe) {
   for (const auto& [child, parent] : {std::pair{2, 4}, {3, 3}, {1, 5}, {4, 5}}) {
     Map map = chain(6);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/map/graph/map.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -25,9 +26,7 @@ std::string fault_of(const Map& map, const Keyframe& keyframe) {
 std::string fault_of(const Map& map, const Constraint& constraint) {
   if (!map.index_of(constraint.from) || !map.index_of(constraint.to))
     return "has a constraint to a keyframe that is not there";
-  const bool finite = is_finite(constraint.rigid()) && std::isfinite(constraint.from_from_to.scale()) &&
-                      constraint.information.allFinite() && std::isfinite(constraint.weight);
-  return finite ? "" : "has a constraint whose numbers are not finite";
+  return fault_of(constraint);
 }
 
 std::string fault_of_keyframes(const Map& map) {
@@ -61,6 +60,17 @@ std::string fault_of_tree(const Map& map) {
 }
 
 }  // namespace
+
+std::string fault_of(const Constraint& constraint) {
+  const bool finite = is_finite(constraint.rigid()) && std::isfinite(constraint.from_from_to.scale()) &&
+                      constraint.information.allFinite() && std::isfinite(constraint.weight);
+  if (!finite) return "has a constraint whose numbers are not finite";
+  if (constraint.from == constraint.to) return "has a constraint of a keyframe to itself";
+  // As optimization takes its root. One that overflows has a root that is not finite.
+  const Eigen::LLT<Matrix6d> root(0.5 * (constraint.information + constraint.information.transpose()));
+  const bool positive = root.info() == Eigen::Success && root.matrixLLT().allFinite();
+  return positive ? "" : "has a constraint whose information is not positive definite";
+}
 
 const char* name_of(ConstraintKind kind) {
   constexpr const char* names[constraint_kinds] = {"odometry", "proximity", "loop", "merge", "inter_robot"};

@@ -110,7 +110,8 @@ const MapScale& scale_of(const Map& map);
 const MapCamera& camera_of(const Map& map, const std::string& where);
 
 /// The first inconsistency of a map, as a clause such as "has keyframes out of order"; empty if there is none: ids
-/// ascend, every reference is valid, poses are finite, the spanning tree is one, every layer is consistent.
+/// ascend, every reference is valid, poses are finite, constraints can be optimized, the spanning tree is one, every
+/// layer is consistent.
 std::string contradiction_in(const Map& map);
 
 }  // namespace rastro
