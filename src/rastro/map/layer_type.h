@@ -86,7 +86,8 @@ const LayerType* layer_type(std::string_view name);
 /// of a layer with many more.
 PointCloud layer_points(const Map& map, int submap, std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// A layer unknown to this program: kept unchanged when the file is written again.
+/// A layer unknown to this program: kept unchanged when the file is written again, and left out of maps whose keyframes
+/// were removed or renumbered (graph/edit.h).
 struct UnknownLayer : Layer {
   std::string header;
   std::vector<std::pair<std::int64_t, std::string>> rows;

@@ -33,6 +33,34 @@ void put_back(const std::vector<std::pair<std::size_t, Item>>& from, std::vector
     if (holds(item)) to.insert(to.begin() + static_cast<std::ptrdiff_t>(std::min(index, to.size())), item);
 }
 
+void cut_layers(Map& map, RemovedKeyframe& removed) {
+  const LayerSet::Layers layers = map.layers.all();
+  for (const auto& [name, layer] : layers) {
+    if (const LayerType* type = layer_type(name)) {
+      LayerCut cut = type->cut(*layer, removed.keyframe.id);
+      map.layers.put(name, std::move(cut.rest));
+      removed.layers[name] = std::move(cut.bytes);
+    } else {
+      removed.unknown_layers.put(name, layer);
+      map.layers.put(name, nullptr);
+    }
+  }
+  if (removed.unknown_layers.all().empty()) return;
+  for (const Keyframe& keyframe : map.keyframes) removed.others.push_back(keyframe.id);
+}
+
+void paste_layers(Map& map, const RemovedKeyframe& removed) {
+  for (const auto& [name, bytes] : removed.layers) {
+    const LayerType* type = layer_type(name);
+    const auto layer = map.layers.find(name);
+    if (type && layer) map.layers.put(name, type->paste(*layer, removed.keyframe.id, bytes));
+  }
+  if (!std::all_of(removed.others.begin(), removed.others.end(), [&](KeyframeId id) { return map.index_of(id); }))
+    return;
+  for (const auto& [name, layer] : removed.unknown_layers.all())
+    if (!map.layers.find(name)) map.layers.put(name, layer);
+}
+
 }  // namespace
 
 void insert_keyframe(Map& map, const Keyframe& keyframe) {
@@ -63,14 +91,7 @@ RemovedKeyframe remove_keyframe(Map& map, KeyframeId id) {
   take_if(map.constraints, removed.constraints,
           [id](const Constraint& each) { return each.from == id || each.to == id; });
   take_if(map.frames, removed.frames, [id](const MapFrame& frame) { return frame.keyframe == id; });
-  const LayerSet::Layers layers = map.layers.all();
-  for (const auto& [name, layer] : layers) {
-    const LayerType* type = layer_type(name);
-    if (!type) continue;
-    LayerCut cut = type->cut(*layer, id);
-    map.layers.put(name, std::move(cut.rest));
-    removed.layers[name] = std::move(cut.bytes);
-  }
+  cut_layers(map, removed);
   ++map.revision;
   return removed;
 }
@@ -86,11 +107,7 @@ void restore_keyframe(Map& map, const RemovedKeyframe& removed) {
   put_back(removed.constraints, map.constraints,
            [&](const Constraint& each) { return map.index_of(each.from) && map.index_of(each.to); });
   put_back(removed.frames, map.frames, [](const MapFrame&) { return true; });
-  for (const auto& [name, bytes] : removed.layers) {
-    const LayerType* type = layer_type(name);
-    const auto layer = map.layers.find(name);
-    if (type && layer) map.layers.put(name, type->paste(*layer, keyframe.id, bytes));
-  }
+  paste_layers(map, removed);
 }
 
 Map renumbered(const Map& map) {
@@ -106,8 +123,10 @@ Map renumbered(const Map& map) {
   }
   for (Constraint& each : result.constraints) each.from = new_id.at(each.from), each.to = new_id.at(each.to);
   for (MapFrame& frame : result.frames) frame.keyframe = new_id.at(frame.keyframe);
-  for (const auto& [name, layer] : map.layers.all())
-    if (const LayerType* type = layer_type(name)) result.layers.put(name, type->renumbered(layer, new_id));
+  for (const auto& [name, layer] : map.layers.all()) {
+    const LayerType* type = layer_type(name);
+    result.layers.put(name, type ? type->renumbered(layer, new_id) : nullptr);
+  }
   return result;
 }
 

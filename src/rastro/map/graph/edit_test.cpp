@@ -123,6 +123,37 @@ TEST(RestoreKeyframe, LeavesOutReferencesToRemovedKeyframes) {
   for (const Constraint& constraint : map.constraints) EXPECT_NE(constraint.from, from);
 }
 
+/// With a layer of another program.
+Map with_unknown_layer(Map map) {
+  auto unknown = std::make_shared<UnknownLayer>();
+  for (const Keyframe& keyframe : map.keyframes) unknown->rows.emplace_back(keyframe.id, "of a keyframe");
+  map.layers.put("made_up", unknown);
+  return map;
+}
+
+TEST(RemoveKeyframe, LeavesNoLayerThatItCannotUpdate) {
+  const Map map = with_unknown_layer(make_map_of_all_layers());
+  Map edited = map;
+  const RemovedKeyframe first = remove_keyframe(edited, map.keyframes[1].id);
+  EXPECT_FALSE(edited.layers.find("made_up")) << "its rows may be of the keyframe, or name it";
+  const RemovedKeyframe second = remove_keyframe(edited, map.keyframes[2].id);
+  Map other_order = edited;
+  restore_keyframe(edited, second);
+  EXPECT_FALSE(edited.layers.find("made_up"));
+  restore_keyframe(edited, first);
+  EXPECT_EQ(edited.layers.find("made_up"), map.layers.find("made_up"));
+  restore_keyframe(other_order, first);
+  EXPECT_FALSE(other_order.layers.find("made_up")) << "the second is still missing";
+}
+
+TEST(Renumbered, LeavesOutALayerThatItCannotUpdate) {
+  const Map map = with_unknown_layer(make_map_of_all_layers()), result = renumbered(map);
+  EXPECT_FALSE(result.layers.find("made_up"));
+  EXPECT_EQ(result.layers.all().size() + 1, map.layers.all().size());
+  const Map same = with_unknown_layer(result);
+  EXPECT_EQ(renumbered(same).layers.find("made_up"), same.layers.find("made_up")) << "no number changed";
+}
+
 TEST(Renumbered, KeepsGeometryObservationsAndLayers) {
   const Map map = make_map_of_all_layers();
   const Map result = renumbered(map);
