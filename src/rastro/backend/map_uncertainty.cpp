@@ -67,12 +67,16 @@ std::vector<std::pair<std::int64_t, Eigen::Vector3d>> MapUncertainty::after(std:
 
 void MapUncertainty::contradict(std::int64_t part, const SE3& before, const SE3& after) {
   constexpr double chi_square_99 = 16.81;  // six degrees of freedom
+  constexpr double certain = 1e-12;        // variance, m^2 and rad^2: what was certain is so up to rounding
   const auto found = parts_.find(part);
   if (found == parts_.end()) return;
   Vector6d moved;
   moved << after.translation() - before.translation(), (after.rotation() * before.rotation().inverse()).log();
   auto claimed = found->second.covariance.topLeftCorner<6, 6>();
-  const double squared_sigmas = moved.dot(claimed.ldlt().solve(moved));
+  Eigen::LDLT<Matrix6d> errors(claimed);
+  // Without an inverse: a solution would leave out the directions that were certain.
+  if (!(errors.vectorD().minCoeff() > 1e-12 * certain)) errors.compute(claimed + certain * Matrix6d::Identity());
+  const double squared_sigmas = moved.dot(errors.solve(moved));
   if (squared_sigmas > chi_square_99) claimed += (1.0 - chi_square_99 / squared_sigmas) * moved * moved.transpose();
 }
 

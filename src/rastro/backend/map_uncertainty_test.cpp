@@ -87,6 +87,22 @@ TEST(MapUncertainty, WhatMovesBeyondItsErrorsIsAsUncertainAsItMoved) {
   EXPECT_FALSE(uncertainty.contains(2)) << "the origin, or not a part";
 }
 
+TEST(MapUncertainty, WhatWasCertainAndMovesIsAsUncertainAsItMoved) {
+  const Eigen::Vector3d at(1.0, 2.0, 0.0), step(0.1, 0.0, -0.2);
+  const SE3 before(SO3::exp({0.0, 0.0, 0.3}), at), after(before.rotation(), at + step);
+  const SE3 rounded(before.rotation(), at + Eigen::Vector3d(0.0, 1e-14, 0.0));
+  for (const double sigma_rad : {0.0, 0.001, 1e-160}) {
+    MapUncertainty uncertainty;
+    uncertainty.set(1, at, diagonal(0.0, sigma_rad));
+    uncertainty.contradict(1, before, before);
+    uncertainty.contradict(1, before, rounded);
+    EXPECT_EQ(uncertainty.of_pose(1, at, Matrix6d::Zero()), diagonal(0.0, sigma_rad)) << "it did not move";
+    uncertainty.contradict(1, before, after);
+    const Eigen::Matrix3d position = uncertainty.of_pose(1, at, Matrix6d::Zero()).topLeftCorner<3, 3>();
+    EXPECT_THAT(position, matrix_near(Eigen::Matrix3d(step * step.transpose()), 1e-9)) << sigma_rad;
+  }
+}
+
 /// Of one camera a wrong scale moves what is far away from where it became wrong, and along that direction alone.
 TEST(MapUncertainty, AnErrorOfTheScaleGrowsWithTheDistance) {
   MapUncertainty uncertainty;
