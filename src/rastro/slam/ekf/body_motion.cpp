@@ -37,6 +37,11 @@ Motion BodyMotion::since_last(const Frame& frame, SlamUpdate& update) {
   return carried(seconds);
 }
 
+void BodyMotion::begin_at(TimeNs stamp) {
+  stamp_ = stamp;
+  frozen_.begin_at(stamp);
+}
+
 Motion BodyMotion::by_odometry(const SE2& last_from_body, double seconds, SlamUpdate& update) {
   const auto& thaw = frozen_.thaw();
   const bool jump = is_jump(last_from_body, seconds, options_);

@@ -23,6 +23,8 @@ class BodyMotion {
   /// Of each frame, first: the motion since the previous one, in the previous body frame. None at the first frame, nor
   /// while odometry is frozen.
   Motion since_last(const Frame& frame, SlamUpdate& update);
+  /// The first frame, the only one so far, was at this time: its stamp was wrong.
+  void begin_at(TimeNs stamp);
   /// Odometry stays the same while the body moves, see FrozenOdometry; known before this frame's landmarks.
   bool frozen() const { return frozen_.frozen(); }
   /// The same with the associations of this frame, made as if odometry told the motion.

@@ -33,6 +33,26 @@ TEST(EkfLimits, AStampFarAheadCostsOneFrame) {
   EXPECT_EQ(slam.trajectory().size(), 19U);
 }
 
+/// Far in the future, and zero.
+TEST(EkfLimits, AWrongFirstStampCostsOneFrame) {
+  for (const TimeNs off : {4000 * ns_per_second, -frame_at(0).stamp}) {
+    constexpr TimeNs later = 1000 * ns_per_second;  // that of the other frames, so that zero is far from them
+    EkfSlam slam(EkfOptions(), false);
+    for (int k = 0; k < 20; ++k) {
+      const SlamUpdate update = slam.process(frame_at(k, k == 0 ? off : later));
+      EXPECT_EQ(update.state == SlamState::weak, k == 1) << k;
+      EXPECT_NEAR(slam.filter().world_from_body().translation().x(), 0.1 * (k == 1 ? 0 : k), 1e-6) << k;
+    }
+    const Trajectory trajectory = slam.trajectory();
+    ASSERT_EQ(trajectory.size(), 19U);
+    EXPECT_EQ(trajectory.front().stamp, off > 0 ? frame_at(0, later).stamp : 0);
+    const std::shared_ptr<const Map> map = slam.snapshot();
+    EXPECT_EQ(map->keyframes.front().stamp, trajectory.front().stamp);
+    EXPECT_EQ(map->sessions.front().first_stamp, trajectory.front().stamp);
+    for (std::size_t i = 1; i < trajectory.size(); ++i) EXPECT_GT(trajectory[i].stamp, trajectory[i - 1].stamp);
+  }
+}
+
 TEST(EkfLimits, ALongPauseCostsOneFrame) {
   EkfSlam slam(EkfOptions(), false);
   for (int k = 0; k < 20; ++k) {

@@ -84,8 +84,11 @@ bool EkfSlam::is_in_time(const Frame& frame, SlamUpdate& update) {
     mark_weak(update, SlamReason::gap,
               fmt::format("timestamp {:.3g} s after the previous one; not used before the next frame confirms it",
                           to_seconds(frame.stamp - keyframes_.trajectory().back().stamp)));
+  } else if (result == StampCheck::Result::first_wrong) {
+    keyframes_.begin_at(stamps_.first());
+    motion_.begin_at(stamps_.first());
   }
-  return result == StampCheck::Result::fits;
+  return result == StampCheck::Result::fits || result == StampCheck::Result::first_wrong;
 }
 
 void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {

@@ -17,6 +17,8 @@ class FrozenOdometry {
  public:
   /// Each frame, before its landmarks are associated.
   void add(const Frame& frame);
+  /// The first frame, which was added, was at this time.
+  void begin_at(TimeNs stamp) { since_ = stood_ = told_ = now_ = stamp; }
   /// Associations of this frame, made as if the body had not moved.
   void judge(std::span<const LandmarkAssociation> associations);
   /// The associations with which this frame corrects the filter.

@@ -21,6 +21,8 @@ class KeyframeMap {
 
   /// `maps`: it may become a keyframe (the first one does), and its scan may be kept. `scans_every`: see GridScans.
   void add(const Frame& frame, const SE2& world_from_body, bool maps, std::size_t scans_every);
+  /// The first frame, the only one so far, was at this time: its stamp was wrong.
+  void begin_at(TimeNs stamp) { trajectory_.front().stamp = keyframes_.front().stamp = stamp; }
   /// See GridScans.
   bool thin_scans() { return scans_.thin(); }
 
