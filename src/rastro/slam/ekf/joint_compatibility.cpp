@@ -93,7 +93,7 @@ class PlaceMatcher {
     for (const PairSet& set : sets)
       if (contradicts(*best, set) && set.pairs.size() + lead > best->pairs.size()) return {};
     std::vector<LandmarkPair> result;
-    for (const std::size_t pair : best->pairs) result.push_back(offsets_.pairs[pair]);
+    for (const std::size_t pair : extended(best->pairs)) result.push_back(offsets_.pairs[pair]);
     return result;
   }
 
@@ -133,28 +133,57 @@ class PlaceMatcher {
   PairSet grown(std::size_t seed) const {
     Offsets left = offsets_;
     PairSet set;
-    for (std::optional<std::size_t> next = seed; next; next = nearest(left, set)) {
+    for (std::optional<std::size_t> next = seed; next;) {
       set.distance += left.distance(*next);
       set.pairs.push_back(*next);
       left.condition(*next);
+      const double room = compatible_distance(set.pairs.size() + 1) - set.distance;
+      const auto is_usable = [&](std::size_t pair) { return is_free(pair, set.pairs); };
+      next = nearest(left, std::min(options_.gate, room), is_usable);
     }
     std::sort(set.pairs.begin(), set.pairs.end());
     return set;
   }
 
-  std::optional<std::size_t> nearest(const Offsets& left, const PairSet& set) const {
+  /// The place is recognized, and its pairs correct the drift: the others are associated one by one then, as
+  /// observations are. Their landmarks would stay in the map twice.
+  std::vector<std::size_t> extended(std::vector<std::size_t> pairs) const {
+    Offsets left = offsets_;
+    for (const std::size_t pair : pairs) left.condition(pair);
+    const auto is_usable = [&](std::size_t pair) { return is_free(pair, pairs) && is_clear(pair, left, pairs); };
+    while (const std::optional<std::size_t> next = nearest(left, options_.gate, is_usable)) {
+      pairs.push_back(*next);
+      left.condition(*next);
+    }
+    return pairs;
+  }
+
+  template <typename IsUsable>
+  static std::optional<std::size_t> nearest(const Offsets& left, double least, IsUsable is_usable) {
     std::optional<std::size_t> best;
-    double least = std::min(options_.gate, compatible_distance(set.pairs.size() + 1) - set.distance);
     for (std::size_t pair = 0; pair < left.pairs.size(); ++pair) {
-      const bool taken = std::any_of(set.pairs.begin(), set.pairs.end(), [&](std::size_t other) {
-        return left.pairs[other].recent == left.pairs[pair].recent || left.pairs[other].known == left.pairs[pair].known;
-      });
-      const double distance = taken ? least : left.distance(pair);
+      const double distance = is_usable(pair) ? left.distance(pair) : least;
       if (!(distance < least)) continue;
       least = distance;
       best = pair;
     }
     return best;
+  }
+
+  /// Neither landmark has another partner that is nearly as likely.
+  bool is_clear(std::size_t pair, const Offsets& left, std::span<const std::size_t> taken) const {
+    const double least = std::min(options_.gate, left.distance(pair) + options_.ambiguity);
+    for (std::size_t other = 0; other < left.pairs.size(); ++other)
+      if (other != pair && overlap(pair, other) && is_free(other, taken) && left.distance(other) < least) return false;
+    return true;
+  }
+
+  bool is_free(std::size_t pair, std::span<const std::size_t> taken) const {
+    return std::none_of(taken.begin(), taken.end(), [&](std::size_t other) { return overlap(pair, other); });
+  }
+
+  bool overlap(std::size_t a, std::size_t b) const {
+    return offsets_.pairs[a].recent == offsets_.pairs[b].recent || offsets_.pairs[a].known == offsets_.pairs[b].known;
   }
 
   /// A set of another place: one common pair only leaves the heading open.

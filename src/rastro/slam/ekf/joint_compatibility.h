@@ -24,7 +24,8 @@ struct LandmarkPair {
 /// Recognizes a mapped place after a long way: the largest set of pairs of recent and unsure landmarks that are jointly
 /// compatible (J. Neira and J. D. Tardos, "Data association in stochastic mapping using the joint compatibility test",
 /// 2001), at 99 %. Empty unless it has more than `companions` pairs, at least `lead` more than any other set, and takes
-/// in most of the recent landmarks that are near mapped ones: places with the same furniture look alike.
+/// in most of the recent landmarks that are near mapped ones: places with the same furniture look alike. With it come
+/// the pairs that are no longer doubtful once the set has corrected the drift: inside the gate, and no other nearly so.
 std::vector<LandmarkPair> recognized_pairs(const EkfFilter& filter, std::span<const LandmarkRecord> records,
                                            const EkfOptions& options);
 

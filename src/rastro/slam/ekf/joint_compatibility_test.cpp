@@ -68,6 +68,35 @@ TEST(JointCompatibility, TheUnitedLandmarksGiveThePose) {
   EXPECT_LT(way.filter().body_covariance().diagonal().head<2>().maxCoeff(), 0.001);
 }
 
+/// Furniture that is seen 2.25 sigma beside where it was: no more than five are jointly compatible.
+Points moved(const Points& points) {
+  constexpr double sigma_m = 0.0245;  // of both times and of a corner
+  Points result;
+  for (const Eigen::Vector2d& point : points) {
+    const SO2 direction = SO2::from_angle(static_cast<double>(result.size()));
+    result.push_back(point + direction * Eigen::Vector2d(2.25 * sigma_m, 0.0));
+  }
+  return result;
+}
+
+TEST(JointCompatibility, WhatFitsOnceThePlaceIsRecognizedIsUnitedToo) {
+  WayBack way(furniture);
+  way.see(drift, moved(furniture));
+  const auto pairs = way.recognized();
+  ASSERT_EQ(pairs.size(), furniture.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i], std::make_pair(i, furniture.size() + i));
+}
+
+TEST(JointCompatibility, OfTwoThatFitNearlyEquallyNoneIsUnited) {
+  WayBack way(furniture);
+  Points seen = moved(furniture);
+  seen.push_back(furniture[0] + SO2::from_angle(0.5) * Eigen::Vector2d(0.06, 0.0));
+  way.see(drift, seen);
+  const auto pairs = way.recognized();
+  ASSERT_EQ(pairs.size(), furniture.size() - 1);
+  for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i], std::make_pair(i + 1, furniture.size() + i + 1));
+}
+
 TEST(JointCompatibility, FewLandmarksAreNoPlace) {
   const Points few(furniture.begin(), furniture.begin() + 3);
   WayBack way(furniture);
