@@ -24,6 +24,8 @@ test('the trajectory grows and is drawn as the frames come, in the colors of the
   for (let i = 0; i < 60; i++) server.send(frame(i, i >= 30 && i < 45 ? { state: 1 } : {}));
   await shownFrame(page, 59);
   await runState(page, 'running');
+  // The content follows the frames about once a second: one that was measured before the last of them is fitted to a part.
+  await page.locator('[data-layer="trajectory:final"] .detail', { hasText: /^60 frames$/ }).waitFor();
   await page.evaluate(() => (window as any).rastro.app.fit());
   await drawn(page);
   const at = (i: number) => (frame(i).pose as number[]).slice(0, 3);
@@ -33,6 +35,7 @@ test('the trajectory grows and is drawn as the frames come, in the colors of the
   const before = await pixelAt(page, at(75), 'live_grown');
   for (let i = 60; i < 80; i++) server.send(frame(i));
   await shownFrame(page, 79);
+  await page.locator('[data-layer="trajectory:final"] .detail', { hasText: /^80 frames$/ }).waitFor();
   await page.evaluate(() => (window as any).rastro.app.fit());
   await drawn(page);
   near(await pixelAt(page, at(75), 'live_grown2'), [0x00, 0x9e, 0x73], 8);

@@ -24,6 +24,7 @@ export class LiveMap {
   private served: Scene;
   private readonly trajectories: GrowingTrajectory[];
   private lastSlow = 0;
+  private slowTimer = 0;
   private lastFit = 0;
   private mapSeen: boolean;
   private knownEvents = -1;
@@ -68,7 +69,7 @@ export class LiveMap {
     if (count === 0) return;
     if (first) app.beginAnew();
     this.keepInSight(count - 1);
-    if (performance.now() - this.lastSlow > slowMs) this.growSlowly();
+    this.growSoon();
     app.framesGrew(follow ? count - 1 : Math.min(app.state.frame, count - 1));
   }
 
@@ -114,7 +115,17 @@ export class LiveMap {
     scene.events = mergedEvents(this.record.events, this.served.events);
   }
 
+  /** The last frames count too where none follow, as while the run is paused. */
+  private growSoon(): void {
+    const rest = this.lastSlow + slowMs - performance.now();
+    if (rest <= 0) return this.growSlowly();
+    if (this.slowTimer === 0) this.slowTimer = window.setTimeout(() => this.growSlowly(), rest);
+  }
+
   private growSlowly(): void {
+    clearTimeout(this.slowTimer);
+    this.slowTimer = 0;
+    if (!this.record.frames) return;
     const { app } = this;
     const before = app.view.bounds.getSize(new THREE.Vector3()).length();
     const box = boundsOf(app.runs.map((r) => ({ ...r.scene, layers: [] }))).union(app.view.bounds);
