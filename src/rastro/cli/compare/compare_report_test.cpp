@@ -149,6 +149,42 @@ TEST(PairedDifferences, WhereBothFailNothingTellsThemApart) {
   EXPECT_EQ(between(all, "good", "poor").second_failed, 1);
 }
 
+/// The runs of `late` with these seeds track the last `common` frames alone.
+Comparison late_beginning_with(const std::set<std::uint64_t>& seeds, int common) {
+  Comparison comparison = three_methods();
+  for (FinishedRun& run : comparison.runs)
+    if (run.what.column == "late" && seeds.contains(run.seed))
+      run = run_of(0, "late", run.seed, 0.001, frame_count - common);
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  return comparison;
+}
+
+TEST(PairedDifferences, RunsWithTooFewCommonFramesAreLeftOutAloud) {
+  const auto difference_with = [](int common) {
+    const Comparison comparison = late_beginning_with({2, 5}, common);
+    return between(report_of(comparison).differences, "late", "poor");
+  };
+  EXPECT_EQ(left_out_text(difference_with(10)), "");
+  const PairedDifference difference = difference_with(9);
+  EXPECT_EQ(difference.pairs, 4);
+  EXPECT_EQ(difference.runs, 6);
+  EXPECT_EQ(difference_rows({difference})[1].back(),
+            "no ranking: completion differs; 2 of 6 runs left out: too few frames in common");
+}
+
+TEST(PairedDifferences, WithoutCommonFramesNothingIsKnownAndTested) {
+  const Comparison comparison = late_beginning_with({1, 2, 3, 4, 5, 6}, 9);
+  const auto differences = report_of(comparison).differences;
+  ASSERT_EQ(differences.size(), 3U);
+  EXPECT_NEAR(between(differences, "good", "poor").adjusted_p, 0.03125, 1e-9) << "one comparison was made";
+  const TextRows rows = difference_rows(differences);
+  EXPECT_THAT(rows[2], ElementsAre("good", "late", "-", "0 of 0", "-", "-", "0 / 0 of 6", "100 / 22",
+                                   "no ranking; 6 of 6 runs left out: too few frames in common"));
+  EXPECT_EQ(rows[3][0], "poor");
+  const std::string next = use_case_advice(comparison, differences)[0].text;
+  EXPECT_THAT(next, Not(HasSubstr("times that of late")));
+}
+
 TEST(PairedDifferences, FailuresOfRepeatsCancelOut) {
   const Comparison comparison = three_methods();
   std::vector<ColumnTrace> traces = traces_of(comparison);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/compare/paired_differences.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,6 +28,7 @@ constexpr double failure = std::numeric_limits<double>::infinity();  ///< Logari
 
 /// Failures of one column against those of the other cancel out; the mean of these would be nan.
 double middle_of(std::vector<double> logs) {
+  if (logs.empty()) return 0.0;
   std::sort(logs.begin(), logs.end());
   const double lower = logs[(logs.size() - 1) / 2], upper = logs[logs.size() / 2];
   return lower == -failure && upper == failure ? 0.0 : 0.5 * (lower + upper);
@@ -35,7 +38,7 @@ double middle_of(std::vector<double> logs) {
 struct Pairs {
   /// By input and seed; infinite where one alone has a path.
   std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>> log_ratios;
-  int first_failed = 0, second_failed = 0;
+  int first_failed = 0, second_failed = 0, left_out = 0;
   std::vector<double> first_completions, second_completions;
   bool differ_in_alignment = false;
 };
@@ -53,7 +56,10 @@ void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs)
     return;
   }
   const auto errors = errors_on_common_frames(first.trace, second.trace);
-  if (!errors) return;  // they count in the completion nevertheless
+  if (!errors) {  // they count in the completion nevertheless
+    ++pairs.left_out;
+    return;
+  }
   const double ratio = std::max(errors->first_m, smallest_error_m) / std::max(errors->second_m, smallest_error_m);
   pairs.log_ratios[{first.input, first.seed}].push_back(std::log(ratio));
   pairs.differ_in_alignment |= first.trace.alignment != second.trace.alignment;
@@ -80,6 +86,7 @@ PairedDifference difference_of(const Pairs& pairs, const std::string& first, con
   difference.first_better = static_cast<int>(std::count_if(logs.begin(), logs.end(), [](double x) { return x < 0.0; }));
   difference.runs = static_cast<int>(pairs.first_completions.size());
   difference.first_failed = pairs.first_failed, difference.second_failed = pairs.second_failed;
+  difference.left_out = pairs.left_out;
   difference.first_completion = mean_of(pairs.first_completions);
   difference.second_completion = mean_of(pairs.second_completions);
   difference.differs_in_alignment = pairs.differ_in_alignment;
@@ -142,6 +149,11 @@ bool PairedDifference::differs_in_completion() const {
   return std::abs(first_completion - second_completion) > points;
 }
 
+std::string left_out_text(const PairedDifference& difference) {
+  if (difference.left_out == 0) return "";
+  return fmt::format("{} of {} runs left out: too few frames in common", difference.left_out, difference.runs);
+}
+
 std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
   std::vector<ColumnTrace> traces;
   TraceReader reader;
@@ -176,19 +188,24 @@ std::vector<const ColumnTrace*> median_traces(const std::vector<ColumnTrace>& tr
 
 std::vector<PairedDifference> paired_differences(const std::vector<ColumnTrace>& traces,
                                                  const std::vector<std::string>& columns) {
-  std::vector<PairedDifference> all;
+  std::vector<PairedDifference> all, unknown;
   std::vector<double> p_values;
   for (std::size_t first = 0; first < columns.size(); ++first) {
     for (std::size_t second = first + 1; second < columns.size(); ++second) {
       const Pairs pairs = pairs_of(traces, columns[first], columns[second]);
-      if (pairs.log_ratios.empty()) continue;
+      if (pairs.log_ratios.empty() && pairs.left_out == 0) continue;
       const PairedDifference difference = difference_of(pairs, columns[first], columns[second]);
+      if (!difference.is_known()) {
+        unknown.push_back(difference);
+        continue;
+      }
       all.push_back(difference.median_ratio > 1.0 ? turned(difference, pairs) : difference);
       p_values.push_back(difference.p_value);
     }
   }
   const std::vector<double> adjusted = holm_adjusted(p_values);
   for (std::size_t k = 0; k < all.size(); ++k) all[k].adjusted_p = adjusted[k];
+  all.insert(all.end(), unknown.begin(), unknown.end());
   return all;
 }
 

@@ -37,12 +37,14 @@ struct PairedDifference {
   int first_better = 0;  ///< Of these.
   int runs = 0;          ///< That both columns have.
   int first_failed = 0, second_failed = 0;  ///< Of these, without a path.
+  int left_out = 0;  ///< Of these: both have a path, but hardly a frame in common, so that nothing tells them apart.
   double median_ratio = 1.0;  ///< ATE of the first by that of the second; 0 where that gave no path in half of them.
   double p_value = 1.0;       ///< Wilcoxon's signed-rank test of the logarithms of the ratios.
   double adjusted_p = 1.0;    ///< After Holm, over all differences of the report.
   double first_completion = 0.0, second_completion = 0.0;  ///< Mean in percent, also of pairs without common frames.
   bool differs_in_alignment = false;  ///< An error after fitting the scale is not ranked with one in meters.
 
+  bool is_known() const { return pairs > 0; }
   bool any_failed() const { return first_failed + second_failed > 0; }
   bool is_significant() const { return adjusted_p < 0.05; }
   /// Completions differ by so much that the errors alone do not rank the two.
@@ -51,7 +53,11 @@ struct PairedDifference {
   bool is_ambiguous() const { return differs_in_completion() && first_completion < second_completion; }
 };
 
-/// Every two columns with at least one pair, the better one first.
+/// "2 of 6 runs left out: too few frames in common"; empty where none is.
+std::string left_out_text(const PairedDifference& difference);
+
+/// Every two columns with at least one pair, the better one first. Behind them those whose runs are all left out:
+/// nothing is known of them, and no test was made.
 std::vector<PairedDifference> paired_differences(const std::vector<ColumnTrace>& traces,
                                                  const std::vector<std::string>& columns);
 

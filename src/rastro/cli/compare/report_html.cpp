@@ -70,7 +70,8 @@ std::string differences_of(const Report& report) {
          "are counted, equal sizes share a rank), beyond that the normal approximation; Holm's correction over this "
          "table. With five pairs p cannot be below 0.063. No path: runs of the one and the other that failed or "
          "tracked nothing; such a run is worse than any with a path, and where neither has one the pair tells "
-         "nothing. Where the one with the smaller error tracks fewer frames, by more than 5 points, the errors alone "
+         "nothing. Runs with fewer than ten frames in common are left out; the verdict counts them. Where the one with "
+         "the smaller error tracks fewer frames, by more than 5 points, the errors alone "
          "do not rank the two.</p>\n" +
          html_table(difference_rows(report.differences));
 }

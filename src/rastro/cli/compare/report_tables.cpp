@@ -26,19 +26,25 @@ std::string best_column(const Comparison& comparison, std::size_t index, const s
 
 std::string p_text(double p) { return p < 0.001 ? "< 0.001" : fmt::format("{:.3f}", p); }
 
-/// "-" where the second gave no path in half of the pairs.
+/// "-" where the second gave no path in half of the pairs, and where there is no pair.
 std::string ratio_text(const PairedDifference& difference) {
-  return difference.median_ratio > 0.0 ? fmt::format("{:.2f}", difference.median_ratio) : "-";
+  return difference.is_known() && difference.median_ratio > 0.0 ? fmt::format("{:.2f}", difference.median_ratio) : "-";
 }
 
 std::string failures_of(const PairedDifference& difference) {
   return fmt::format("{} / {} of {}", difference.first_failed, difference.second_failed, difference.runs);
 }
 
-std::string remark_on(const PairedDifference& difference) {
+std::string verdict_on(const PairedDifference& difference) {
+  if (!difference.is_known()) return "no ranking";
   if (difference.differs_in_alignment) return "no ranking: aligned differently";
   if (difference.is_ambiguous()) return "no ranking: completion differs";
   return difference.is_significant() ? "significant" : "may be chance";
+}
+
+std::string remark_on(const PairedDifference& difference) {
+  const std::string left_out = left_out_text(difference);
+  return verdict_on(difference) + (left_out.empty() ? "" : "; " + left_out);
 }
 
 /// Figures of the input with this prefix, in the order of their names.
@@ -177,8 +183,9 @@ TextRows difference_rows(const std::vector<PairedDifference>& differences) {
       {"smaller error", "than", "ratio", "better in", "p", "p (Holm)", "no path", "tracked [%]", "verdict"}};
   for (const PairedDifference& each : differences)
     rows.push_back({each.first, each.second, ratio_text(each), fmt::format("{} of {}", each.first_better, each.pairs),
-                    p_text(each.p_value), p_text(each.adjusted_p), failures_of(each),
-                    fmt::format("{:.0f} / {:.0f}", each.first_completion, each.second_completion), remark_on(each)});
+                    each.is_known() ? p_text(each.p_value) : "-", each.is_known() ? p_text(each.adjusted_p) : "-",
+                    failures_of(each), fmt::format("{:.0f} / {:.0f}", each.first_completion, each.second_completion),
+                    remark_on(each)});
   return rows;
 }
 

@@ -140,6 +140,7 @@ std::string expectation_text(const Comparison& comparison, const Candidate& best
 }
 
 std::string difference_text(const PairedDifference& difference) {
+  if (!difference.is_known()) return "The two are not compared: their runs have too few tracked frames in common";
   const std::string is = difference.median_ratio > 0.0
                              ? fmt::format("the error of {} is {:.2f} times that of {}", difference.first,
                                            difference.median_ratio, difference.second)
@@ -149,9 +150,10 @@ std::string difference_text(const PairedDifference& difference) {
                                  ? fmt::format("; no path in {} and {} of {} runs, which counts as worse",
                                                difference.first_failed, difference.second_failed, difference.runs)
                                  : "";
-  return fmt::format("Over the frames that both track, {} ({} of {} pairs; p = {:.2g}: {}{})", is,
+  const std::string left_out = difference.left_out > 0 ? "; " + left_out_text(difference) : "";
+  return fmt::format("Over the frames that both track, {} ({} of {} pairs; p = {:.2g}: {}{}{})", is,
                      difference.first_better, difference.pairs, difference.adjusted_p,
-                     difference.is_significant() ? "a difference" : "may be chance", failed);
+                     difference.is_significant() ? "a difference" : "may be chance", failed, left_out);
 }
 
 /// "; it gave no path in 2 of 6 runs"; empty where all gave one.
