@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +26,9 @@ struct ClosedLoop {
 /// the world; the matcher's own frame is called local.
 class SubmapGraph {
  public:
+  /// Upper bound of the error of a constraint, however uninformative a match is.
+  static constexpr double largest_sigma_m = 3.0;
+
   SubmapGraph(const HectorOptions& options, TaskPool* pool) : options_(options), pool_(pool) {}
 
   std::size_t add_submap(const SE2& local_from_body);
@@ -38,6 +40,8 @@ class SubmapGraph {
   const std::vector<KeyScan>& key_scans() const { return key_scans_; }
   const std::vector<std::size_t>& key_scans_of(std::size_t submap) const { return submaps_[submap]->key_scans(); }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
+  /// Key scans that followed missing scans.
+  const std::vector<std::size_t>& after_gaps() const { return after_gaps_; }
   /// Between key scans: from each to the next, and from the first one of a submap to one that a loop closure matched to
   /// it.
   std::vector<Constraint> constraints() const;
@@ -46,8 +50,8 @@ class SubmapGraph {
   /// The correction of the matcher's frame at the newest key scan.
   SE2 world_from_local() const;
 
-  /// Searches for loop closures of the key scans from `first` on in finished submaps near their predicted poses.
-  /// Returns the number of loops closed; does not change the poses.
+  /// Searches for loop closures of the key scans from `first` on, see LoopSearch. Returns the number of loops closed;
+  /// does not change the poses.
   int search_loops(std::size_t first);
   /// As search_loops() for all key scans, but near their poses only: adds constraints between what optimization brought
   /// together.
@@ -64,26 +68,9 @@ class SubmapGraph {
   std::string give_up_redundant();
 
  private:
-  struct Candidate {
-    std::size_t submap, key_scan;
-    double reach_m, reach_rad;
-    bool search;  ///< False: only refined from the pose in the graph.
-  };
-
   void constrain_to_submap(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
   void constrain_to_last(std::size_t key_scan);
-  std::vector<std::size_t> last_constrained() const;
-  Eigen::Vector2d gap_sigma(std::size_t from, std::size_t to) const;
-  std::vector<Candidate> candidates_of(std::size_t key_scan, bool near_only) const;
-  bool made_by(std::size_t submap, std::size_t key_scan) const;
-  double distance_to(std::size_t submap, const Eigen::Vector2d& world) const;
-  std::vector<Eigen::Vector2d> points_around(std::size_t key_scan) const;
-  void prepare_search(const std::vector<Candidate>& candidates);
-  std::optional<ClosedLoop> verify(const Candidate& candidate) const;
-  std::vector<std::optional<ClosedLoop>> verified(const std::vector<Candidate>& candidates) const;
-  SE2 correction_by(const ClosedLoop& loop) const;
-  std::vector<ClosedLoop> accepted(const std::vector<std::optional<ClosedLoop>>& verified) const;
-  int close(const std::vector<Candidate>& candidates);
+  int close(const std::vector<ClosedLoop>& loops);
   bool contradicted(const ClosedLoop& loop) const;
   bool release_submap(std::size_t step);
   bool thin_key_scans();
@@ -97,7 +84,7 @@ class SubmapGraph {
   std::vector<KeyScan> key_scans_;
   std::vector<SE2> poses_;
   std::vector<std::size_t> pose_of_submap_, pose_of_key_scan_;
-  std::vector<std::size_t> after_gaps_;  ///< Key scans that followed missing scans.
+  std::vector<std::size_t> after_gaps_;
   std::vector<Constraint> constraints_;  ///< Between poses_, as edge_of().
   std::vector<ClosedLoop> loops_;
   bool sparing_ = false;
