@@ -2,9 +2,26 @@
 #include "rastro/backend/map_uncertainty.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 namespace rastro {
+namespace {
+
+/// The mixture of both informations with the smallest determinant: a volume has no units to weigh against each other.
+Eigen::MatrixXd covariance_intersection(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  constexpr int weights = 20;
+  const Eigen::MatrixXd of_a = a.inverse(), of_b = b.inverse();
+  Eigen::MatrixXd most = of_a;
+  for (int k = 1; k <= weights; ++k) {
+    const double weight = static_cast<double>(k) / weights;
+    const Eigen::MatrixXd mixture = (1.0 - weight) * of_a + weight * of_b;
+    if (mixture.determinant() > most.determinant()) most = mixture;
+  }
+  return most.inverse();
+}
+
+}  // namespace
 
 MapUncertainty::Matrix7d MapUncertainty::moved_to(const Entry& part, const Eigen::Vector3d& position) const {
   // A rotation of the part moves what is seen from it, and so does its scale.
@@ -41,9 +58,15 @@ void MapUncertainty::set(std::int64_t part, const Eigen::Vector3d& position, con
 }
 
 void MapUncertainty::reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance) {
-  const auto found = parts_.find(part);
-  if (found != parts_.end() && covariance.trace() < found->second.covariance.topLeftCorner<6, 6>().trace())
-    set(part, position, covariance);
+  if (!parts_.contains(part)) return;
+  Matrix6d reduced = of_pose(part, position, Matrix6d::Zero());
+  std::vector<int> uncertain;
+  for (int axis = 0; axis < 6; ++axis)
+    if (reduced(axis, axis) > 0.0) uncertain.push_back(axis);
+  const Eigen::MatrixXd known = reduced(uncertain, uncertain), other = covariance(uncertain, uncertain);
+  if (known.llt().info() != Eigen::Success || other.llt().info() != Eigen::Success) return;
+  reduced(uncertain, uncertain) = covariance_intersection(known, other);
+  set(part, position, 0.5 * (reduced + reduced.transpose()));
 }
 
 void MapUncertainty::join(std::int64_t part, std::int64_t joined_to, const Eigen::Vector3d& position,

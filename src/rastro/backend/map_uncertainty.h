@@ -30,7 +30,8 @@ class MapUncertainty {
            double scale_variance);
   /// Replaces what was known of the part.
   void set(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
-  /// As set(), where it is less uncertain than before, as after a loop closure.
+  /// Takes over another estimate of the part, as after a loop closure, by covariance intersection: never too certain,
+  /// whatever errors both have in common (Julier and Uhlmann 1997). Directions without variance stay without.
   void reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
   /// The part's submap was transformed by `new_from_old` and joined to that of `joined_to`: it has the errors of both.
   /// A part that was never added, at `position` (of the new world), has those of `joined_to` alone.

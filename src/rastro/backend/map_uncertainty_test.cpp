@@ -68,6 +68,39 @@ TEST(MapUncertainty, ALoopClosureOnlyReducesWhatIsKnownToBeUncertain) {
   EXPECT_NEAR(uncertainty.of_pose(1, at, Matrix6d::Zero())(0, 0), 0.16, 1e-12) << "set() may also raise it";
 }
 
+/// Both may have the same errors, or opposite ones: of x and y, the better known one is taken from each.
+TEST(MapUncertainty, ALoopClosureThatKnowsOneDirectionBetterDoesNotSpoilTheOther) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  Matrix6d before = Matrix6d::Zero(), by_loop = before;
+  before(0, 0) = 0.09, before(1, 1) = 0.0025, before(5, 5) = 1e-5;
+  by_loop(0, 0) = 0.0009, by_loop(1, 1) = 0.01, by_loop(5, 5) = 1e-4;
+  uncertainty.set(1, at, before);
+  uncertainty.reduce(1, at, by_loop);
+  const Matrix6d reduced = uncertainty.of_pose(1, at, Matrix6d::Zero());
+  EXPECT_LT(reduced(0, 0), 0.003);
+  EXPECT_LT(reduced(1, 1), 0.01);
+  EXPECT_LT(reduced(5, 5), 1e-4);
+  EXPECT_EQ(reduced(2, 2), 0.0) << "a direction without variance stays without";
+  // Whatever the mixture of both estimates and the correlation of their errors, none is claimed to be more certain.
+  for (int axis = 0; axis < 6; ++axis)
+    EXPECT_GE(reduced(axis, axis), std::min(before(axis, axis), by_loop(axis, axis)));
+  uncertainty.reduce(1, at, reduced);
+  EXPECT_THAT(uncertainty.of_pose(1, at, Matrix6d::Zero()), matrix_near(reduced, 1e-12)) << "the same says nothing new";
+}
+
+/// A rotation known a little worse moves what is seen far away: both are compared where the robot is.
+TEST(MapUncertainty, ALoopClosureIsComparedWhereItWasClosed) {
+  MapUncertainty uncertainty;
+  Matrix6d of_part = Matrix6d::Zero(), by_loop = of_part;
+  of_part(0, 0) = of_part(1, 1) = 0.0004, of_part(5, 5) = 1e-4;
+  by_loop(0, 0) = by_loop(1, 1) = 0.0016, by_loop(5, 5) = 1e-4;
+  uncertainty.set(1, Eigen::Vector3d::Zero(), of_part);
+  const Eigen::Vector3d far(20.0, 0.0, 0.0);
+  uncertainty.reduce(1, far, by_loop);
+  EXPECT_LT(uncertainty.of_pose(1, far, Matrix6d::Zero())(1, 1), 0.005) << "0.0404 by the part alone";
+}
+
 TEST(MapUncertainty, WhatMovesBeyondItsErrorsIsAsUncertainAsItMoved) {
   const Eigen::Vector3d at(1.0, 2.0, 0.0);
   const SE3 before(SO3::exp({0.0, 0.0, 0.3}), at);

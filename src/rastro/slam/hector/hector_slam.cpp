@@ -149,7 +149,8 @@ std::optional<ScanGap> HectorSlam::State::account_for_motion(const Frame& frame,
     uncertainty_.keep_slip();
     followed.covariance += gap->covariance;
   } else {
-    uncertainty_.move(moved_m, guess.measured, followed.unseen_direction);
+    uncertainty_.move(moved_m, guess.measured ? std::optional(guess_.odometry_error()) : std::nullopt,
+                      followed.unseen_direction);
   }
   return gap;
 }
@@ -290,7 +291,7 @@ void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, c
                                    SlamUpdate& update) {
   if (!moved_enough()) return;
   const std::size_t key =
-      graph_.add_key_scan(key_scan_of(frame, scan, followed), followed.covariance + uncertainty_.slip_covariance());
+      graph_.add_key_scan(key_scan_of(frame, scan, followed), followed.covariance + uncertainty_.slip_of_constraints());
   scans_.back().key_scan = key;
   ++revision_;
   update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});
@@ -308,7 +309,7 @@ void HectorSlam::State::advance_submaps(const FollowedScan& followed, SlamUpdate
   if (full && open.size() > 1) open.front()->finish();
   if (open.back()->key_scans().size() < most / 2) return;
   const Matrix6d covariance =
-      uncertainty_.of_pose(followed.local_from_body, followed.covariance + followed.guess_covariance);
+      uncertainty_.of_submap(followed.local_from_body, followed.covariance + followed.guess_covariance);
   const std::size_t submap = graph_.add_submap(followed.local_from_body);
   uncertainty_.begin_submap(submap, covariance);
   update.events.push_back({"submap", fmt::format("{} started", submap)});

@@ -31,6 +31,8 @@ class MotionGuess {
   void settle_unseen(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
   /// Meters that the robot moves where odometry says one; 1 unless scans clearly say otherwise.
   double odometry_scale() const { return scale_.factor(); }
+  /// What odometry, scaled so, may be wrong by where scans do not tell.
+  OdometryError odometry_error() const { return scale_.error(options_.odometry_sigma_share); }
   /// Seconds since the last scan that told a pose; 0 unless they are many periods.
   double gap_s(TimeNs stamp) const;
   const SE2& last() const { return last_; }

@@ -55,6 +55,43 @@ TEST(OdometryScale, OdometryOfAnotherDriveHasNone) {
   EXPECT_EQ(scale.factor(), 1.0);
 }
 
+TEST(OdometryScale, TheErrorIsUnknownUntilManyStretchesShowIt) {
+  OdometryScale scale;
+  drive(scale, 1.0, 100, 7);
+  EXPECT_EQ(scale.error(0.1).share, 0.1);
+  EXPECT_EQ(scale.error(0.1).variance_per_m, 0.0);
+  drive(scale, 1.0, 200, 8);
+  EXPECT_LT(scale.error(0.1).share, 0.05);
+  EXPECT_GT(scale.error(0.1).variance_per_m, 0.0);
+}
+
+/// Wheels of another size by a normal share, and slip that is independent from step to step: learned over 30 m, for 10
+/// m that no scan shows.
+TEST(OdometryScale, TheErrorIsAsLargeAsWhatHappensWhereScansDoNotTell) {
+  constexpr double step_m = 0.05, slip_per_m = 0.02, cells_m = 0.003;
+  constexpr int drives = 300;
+  double squared_sigmas = 0.0;
+  for (unsigned seed = 0; seed < drives; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const double wheels = 0.02 * normal(random);
+    const auto by_odometry = [&] { return step_m * (1.0 + wheels) + slip_per_m * std::sqrt(step_m) * normal(random); };
+    OdometryScale scale;
+    double last = 0.0;
+    for (int k = 0; k < 600; ++k) {
+      const double cells = cells_m * normal(random);
+      scale.add({by_odometry(), 0.0}, {step_m + cells - last, 0.0});
+      last = cells;
+    }
+    double error_m = 0.0;
+    for (int k = 0; k < 200; ++k) error_m += by_odometry() - step_m;
+    const OdometryError error = scale.error(0.1);
+    squared_sigmas += error_m * error_m / (error.share * error.share * 100.0 + error.variance_per_m * 10.0) / drives;
+  }
+  EXPECT_GT(squared_sigmas, 0.6);
+  EXPECT_LT(squared_sigmas, 1.1);
+}
+
 TEST(OdometryScale, AJumpAndStandingStillSayNothing) {
   OdometryScale scale;
   drive(scale, 0.5, 50, 5);

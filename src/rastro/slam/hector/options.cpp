@@ -92,7 +92,9 @@ void add_match_options(OptionTable& table, HectorOptions& o) {
   table.add({"odometry_sigma_share",
              &o.odometry_sigma_share,
              "",
-             "standard deviation of the odometry per distance; it only matters where the scan is degenerate",
+             "standard deviation of the odometry per distance; it only matters where the scan is degenerate, and in "
+             "covariances "
+             "until scans have shown how far odometry is off",
              0.001,
              10,
              {}});

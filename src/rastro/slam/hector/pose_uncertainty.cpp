@@ -15,58 +15,70 @@ Eigen::Matrix3d in_rotated_axes(const Eigen::Matrix3d& covariance, const SO2& ro
 
 }  // namespace
 
-void PoseUncertainty::move(double path_m, bool measured, const std::optional<Eigen::Vector2d>& unseen_direction) {
+void PoseUncertainty::move(double path_m, const std::optional<OdometryError>& error,
+                           const std::optional<Eigen::Vector2d>& unseen_direction) {
   if (!unseen_direction) {
     keep_slip();
     return;
   }
-  constexpr double share_of_speed = 0.25;
-  unseen_path_m_ += path_m;
-  slip_m_ += (measured ? options_.odometry_sigma_share : share_of_speed) * path_m;
-  slip_ = slip_m_ * *unseen_direction;
+  constexpr OdometryError of_assumed_speed{.share = 0.25};
+  const OdometryError slip = error.value_or(of_assumed_speed);
+  lasting_m_ += slip.share * path_m;
+  random_m2_ += slip.variance_per_m * path_m;
+  of_any_robot_m_ += (error ? options_.odometry_sigma_share : slip.share) * path_m;
+  direction_ = *unseen_direction;
 }
 
 void PoseUncertainty::keep_slip() {
-  if (unseen_path_m_ > 0.0) {
+  if (slip_m2() > 0.0) {
     for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
       if (!graph_.submaps()[s]->finished()) add_to_submap(s, slip_since(s));
   }
-  unseen_path_m_ = slip_m_ = 0.0;
-  slip_.setZero();
-  begun_at_m_.clear();
+  lasting_m_ = random_m2_ = of_any_robot_m_ = 0.0;
+  begun_with_m2_.clear();
 }
 
-Eigen::Matrix3d PoseUncertainty::slip_covariance() const {
+Eigen::Matrix3d PoseUncertainty::slip_of_constraints() const { return along_path(of_any_robot_m_ * of_any_robot_m_); }
+
+Eigen::Matrix3d PoseUncertainty::along_path(double variance_m2) const {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  covariance.topLeftCorner<2, 2>() = slip_ * slip_.transpose();
+  covariance.topLeftCorner<2, 2>() = variance_m2 * direction_ * direction_.transpose();
   return covariance;
 }
 
 /// What a submap that began on the path has of it already counts once: it is one error that grows, not several.
 Eigen::Matrix3d PoseUncertainty::slip_since(std::size_t submap) const {
-  const auto begun = begun_at_m_.find(submap);
-  if (begun == begun_at_m_.end() || unseen_path_m_ == 0.0) return slip_covariance();
-  const double share = begun->second / unseen_path_m_;
-  return (1.0 - share * share) * slip_covariance();
+  const auto begun = begun_with_m2_.find(submap);
+  return along_path(slip_m2() - (begun == begun_with_m2_.end() ? 0.0 : begun->second));
+}
+
+/// Cells hold the walls to a part of their size, the same for all beams of a scan and all scans of a submap.
+Eigen::Matrix3d PoseUncertainty::of_cells() const {
+  constexpr double share_of_cell = 0.6, sigma_rad = 0.002;
+  const double sigma_m = share_of_cell * options_.cell_m;
+  return Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal();
 }
 
 Matrix6d PoseUncertainty::of_pose(const SE2& local_from_body, const Eigen::Matrix3d& in_submap) const {
-  // Cells hold the walls to a part of their size, the same for all beams of a scan and all scans of a submap.
-  constexpr double share_of_cell = 0.6, sigma_rad = 0.002;
-  const double sigma_m = share_of_cell * options_.cell_m;
+  return in_world(local_from_body, in_submap + of_cells());
+}
+
+Matrix6d PoseUncertainty::of_submap(const SE2& local_from_body, const Eigen::Matrix3d& in_last) const {
+  constexpr double share_of_mean = 0.25;
+  return in_world(local_from_body, in_last + share_of_mean * of_cells());
+}
+
+Matrix6d PoseUncertainty::in_world(const SE2& local_from_body, const Eigen::Matrix3d& in_submap) const {
   std::size_t open = 0;
   while (open + 1 < graph_.submaps().size() && graph_.submaps()[open]->finished()) ++open;
-  const Eigen::Matrix3d with_cells =
-      in_submap + slip_since(open) +
-      Eigen::Matrix3d(Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal());
   const SE2 world_from_local = graph_.world_from_local();
   return submaps_.of_pose(static_cast<std::int64_t>(open), in_space(world_from_local * local_from_body).translation(),
-                          in_space(in_rotated_axes(with_cells, world_from_local.rotation())));
+                          in_space(in_rotated_axes(in_submap + slip_since(open), world_from_local.rotation())));
 }
 
 void PoseUncertainty::begin_submap(std::size_t submap, const Matrix6d& covariance) {
   submaps_.set(static_cast<std::int64_t>(submap), in_space(graph_.world_from_submap(submap)).translation(), covariance);
-  if (unseen_path_m_ > 0.0) begun_at_m_[submap] = unseen_path_m_;
+  if (slip_m2() > 0.0) begun_with_m2_[submap] = slip_m2();
 }
 
 void PoseUncertainty::keep_in_submaps(const Eigen::Matrix3d& in_local) {
@@ -82,8 +94,6 @@ void PoseUncertainty::add_to_submap(std::size_t submap, const Eigen::Matrix3d& i
 }
 
 void PoseUncertainty::take_over_loops(std::size_t first_loop, std::size_t first_key_scan) {
-  const Eigen::Vector3d sigma(options_.loop_sigma_m, options_.loop_sigma_m, options_.loop_sigma_rad);
-  const Eigen::Matrix3d of_loops = sigma.cwiseAbs2().asDiagonal();
   for (std::size_t l = first_loop; l < graph_.loops().size(); ++l) {
     const ClosedLoop& loop = graph_.loops()[l];
     if (loop.key_scan < first_key_scan) continue;
@@ -92,7 +102,7 @@ void PoseUncertainty::take_over_loops(std::size_t first_loop, std::size_t first_
     const SO2 world_from_submap = graph_.world_from_submap(loop.submap).rotation();
     const Matrix6d covariance =
         submaps_.of_pose(static_cast<std::int64_t>(loop.submap), position,
-                         in_space(in_rotated_axes(loop.covariance + of_loops, world_from_submap)));
+                         in_space(in_rotated_axes(loop.covariance + of_cells(), world_from_submap)));
     for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
       if (!graph_.submaps()[s]->finished()) submaps_.reduce(static_cast<std::int64_t>(s), position, covariance);
   }

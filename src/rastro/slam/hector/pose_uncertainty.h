@@ -8,6 +8,7 @@
 
 #include "rastro/backend/map_uncertainty.h"
 #include "rastro/math/se2.h"
+#include "rastro/slam/hector/odometry_scale.h"
 #include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/submap_graph.h"
 
@@ -20,17 +21,22 @@ class PoseUncertainty {
   /// Both must outlive this.
   PoseUncertainty(const HectorOptions& options, const SubmapGraph& graph) : options_(options), graph_(graph) {}
 
-  /// The robot moved by `path_m` to a scan with that unobservable direction, a unit vector in local axes. `measured`:
-  /// by odometry; else it may have been faster or slower than before.
-  void move(double path_m, bool measured, const std::optional<Eigen::Vector2d>& unseen_direction);
+  /// The robot moved by `path_m` to a scan with that unobservable direction, a unit vector in local axes. `error`: of
+  /// odometry that measured it; without, it may have been faster or slower than before.
+  void move(double path_m, const std::optional<OdometryError>& error,
+            const std::optional<Eigen::Vector2d>& unseen_direction);
   /// All directions are observable again: what may have slipped until then stays in the submaps mapped meanwhile.
   void keep_slip();
-  /// What may have slipped since all directions were last observable: for each scan the same error, growing with the
-  /// path. Zero if they are now.
-  Eigen::Matrix3d slip_covariance() const;
+  /// For the graph, what wheels of any robot may have slipped since all directions were last observable, zero if they
+  /// are now. It is one error, in the constraints of all these scans, and the graph takes each for another one: with
+  /// what is learned of this robot they would hold against loop closures.
+  Eigen::Matrix3d slip_of_constraints() const;
 
   /// In the world, of a scan's pose, from the covariance of its match with the oldest unfinished submap.
   Matrix6d of_pose(const SE2& local_from_body, const Eigen::Matrix3d& in_submap) const;
+  /// The same of a submap that begins there: its scans are matched one by one, so that it is wrong by the mean of what
+  /// cells add to each.
+  Matrix6d of_submap(const SE2& local_from_body, const Eigen::Matrix3d& in_last) const;
   /// `submap` begins at a pose of that covariance in the world.
   void begin_submap(std::size_t submap, const Matrix6d& covariance);
   /// All that is in the unfinished submaps has this error, too.
@@ -40,16 +46,22 @@ class PoseUncertainty {
   void take_over_loops(std::size_t first_loop, std::size_t first_key_scan);
 
  private:
+  Eigen::Matrix3d along_path(double variance_m2) const;
+  double slip_m2() const { return lasting_m_ * lasting_m_ + random_m2_; }
+  Eigen::Matrix3d of_cells() const;
+  Matrix6d in_world(const SE2& local_from_body, const Eigen::Matrix3d& in_submap) const;
   void add_to_submap(std::size_t submap, const Eigen::Matrix3d& in_local);
   Eigen::Matrix3d slip_since(std::size_t submap) const;
 
   const HectorOptions& options_;
   const SubmapGraph& graph_;
   MapUncertainty submaps_;
-  double unseen_path_m_ = 0.0;                      ///< Path length since all directions were last observable.
-  double slip_m_ = 0.0;                             ///< Standard deviation gathered on it.
-  Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  ///< The same along the direction.
-  std::map<std::size_t, double> begun_at_m_;        ///< That path length where submaps began on it.
+  /// Gathered since all directions were last observable: of errors that stay the same (standard deviation), and of
+  /// those that do not (variance).
+  double lasting_m_ = 0.0, random_m2_ = 0.0;
+  double of_any_robot_m_ = 0.0;
+  Eigen::Vector2d direction_ = Eigen::Vector2d::Zero();
+  std::map<std::size_t, double> begun_with_m2_;  ///< Variance at which submaps began.
 };
 
 }  // namespace rastro

@@ -79,6 +79,28 @@ TEST(HectorSlam, WhatOdometryMayHaveSlippedWhereNothingWasSeenStays) {
   EXPECT_LT(update.covariance->coeff(1, 1), 0.01);
 }
 
+/// Pillars first, by which scans tell how far odometry is off, then bare walls.
+TEST(HectorSlam, WheelsThatWereRightSlipLess) {
+  WalledDrive drive;
+  drive.walls.add({-50.0, -1.5}, {50.0, -1.5});
+  drive.walls.add({-50.0, 1.5}, {50.0, 1.5});
+  for (const double x : {-24.0, -20.5, -18.2, -15.0, -11.3, -8.1, -6.0, -3.2, 0.0})
+    drive.walls.add_box(x, 1.0, x + 0.5, 1.5);
+  drive.reach_m = 6.0;
+  drive.world_from_body = {pose_of(-20.0, 0.1, 0.0)};
+  drive.go(pose_of(0.1, 0.0, 0.0), 350);
+  const HectorOptions options;
+  HectorSlam slam(options, nullptr);
+  double unseen_m = 0.0;
+  SlamUpdate update;
+  for (const Frame& frame : drive.frames()) {
+    update = slam.process(frame);
+    unseen_m = update.reason == SlamReason::degenerate ? unseen_m + 0.1 : 0.0;
+  }
+  EXPECT_GT(unseen_m, 5.0);
+  EXPECT_LT(std::sqrt(update.covariance->coeff(0, 0)), 0.3 * options.odometry_sigma_share * unseen_m);
+}
+
 /// Submaps that begin in the corridor have the slip up to there, and what is matched with them no more than all.
 TEST(HectorSlam, SlipAlongACorridorCountsOnceHoweverManySubmapsBegin) {
   WalledDrive drive;
