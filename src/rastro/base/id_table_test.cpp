@@ -41,5 +41,33 @@ TEST(IdTable, GoesOnAfterEverythingIsRemoved) {
   EXPECT_EQ(*table.find(1000), 7);
 }
 
+/// A landmark of thirty lasts.
+TEST(IdTable, TheFewThatStayTakeLittleMemory) {
+  IdTable<int> table;
+  constexpr int ids = 60000, every = 30, kept = ids / every;
+  for (int id = 0; id < ids; ++id) {
+    table.add(id, std::make_unique<int>(id));
+    if (id >= 300 && (id - 300) % every != 0) table.remove(id - 300);
+  }
+  EXPECT_LE(table.bytes(), ids / 2U + (2U * kept + 2U * 300U) * sizeof(int*));
+  for (int id = ids - 300; id < ids; ++id) table.remove(id);
+  int found = 0;
+  table.for_each([&](const int& id) { EXPECT_EQ(id, every * found++); });
+  EXPECT_EQ(found, kept - 10);
+}
+
+/// Neither other additions nor removals move an object.
+TEST(IdTable, AddressesStay) {
+  IdTable<int> table;
+  std::map<int, const int*> expected;
+  for (int id = 0; id < 500; ++id) expected[id] = &table.add(id, std::make_unique<int>(id));
+  for (int id = 0; id < 500; ++id) {
+    if (id % 7 == 3) continue;
+    table.remove(id);
+    expected.erase(id);
+    for (const auto& [left, address] : expected) ASSERT_EQ(table.find(left), address) << id;
+  }
+}
+
 }  // namespace
 }  // namespace rastro

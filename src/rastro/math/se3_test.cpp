@@ -5,7 +5,9 @@
 
 #include <numbers>
 
+#include "rastro/base/random.h"
 #include "rastro/math/math_testing.h"
+#include "rastro/math/packed_se3.h"
 
 namespace rastro {
 namespace {
@@ -37,6 +39,24 @@ TEST(MathTesting, DistantPosesAreNotNear) {
   EXPECT_THAT(moved, ::testing::Not(pose_near(SE3(), 0.09, 1.0)));
   EXPECT_THAT(rotated, pose_near(SE3(), 0.0, 0.11));
   EXPECT_THAT(rotated, ::testing::Not(pose_near(SE3(), 1.0, 0.09)));
+}
+
+/// Normalized again, a part of them would have other bits.
+TEST(PackedSE3, GivesTheSameBitsBack) {
+  Random random(3);
+  const auto tangent = [&] {
+    Vector6d values;
+    for (double& value : values) value = random.normal();
+    return values;
+  };
+  SE3 pose;
+  for (int k = 0; k < 1000; ++k) {
+    pose = pose * SE3::exp(tangent());
+    const SE3 same = PackedSE3(pose).pose();
+    EXPECT_EQ(same.rotation().quaternion().coeffs(), pose.rotation().quaternion().coeffs());
+    EXPECT_EQ(same.translation(), pose.translation());
+  }
+  EXPECT_EQ(sizeof(PackedSE3), 56U);
 }
 
 }  // namespace

@@ -19,6 +19,12 @@ class SO3 {
   SO3() : quaternion_(Eigen::Quaterniond::Identity()) {}
   /// Normalizes; the quaternion must not be zero.
   explicit SO3(const Eigen::Quaterniond& quaternion) : quaternion_(quaternion.normalized()) {}
+  /// The quaternion as it is: that of another rotation, whose bits another normalization might change.
+  static SO3 from_unit(const Eigen::Quaterniond& quaternion) {
+    SO3 rotation;
+    rotation.quaternion_ = quaternion;
+    return rotation;
+  }
   /// The nearest rotation to `matrix`.
   static SO3 from_matrix(const Eigen::Matrix3d& matrix);
 

@@ -79,6 +79,23 @@ void write_list(const std::string& table, const std::vector<Item>& items, const 
   remove_until([](std::int64_t) { return false; });
 }
 
+/// Rows counted from 0.
+template <typename Item>
+void write_numbered(const std::string& table, const std::vector<Item>& items, WrittenMap& written, Database& database) {
+  std::vector<std::size_t>& hashes = written.numbered[table];
+  const std::size_t before = hashes.size();
+  for (std::size_t i = items.size(); i < before; ++i) database.remove(table, static_cast<std::int64_t>(i));
+  // An eighth more: doubling takes twice the memory.
+  if (items.size() > hashes.capacity()) hashes.reserve(items.size() + items.size() / 8);
+  hashes.resize(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::string body = body_of(items[i]);
+    const std::size_t hash = std::hash<std::string>()(body);
+    if (i >= before || hashes[i] != hash) database.put(table, static_cast<std::int64_t>(i), body);
+    hashes[i] = hash;
+  }
+}
+
 void write_unknown(const std::string& table, const UnknownLayer& layer, Database& database) {
   database.clear(table);
   for (const auto& [id, body] : layer.rows) database.put(table, id, body);
@@ -150,13 +167,12 @@ void write_changes(const Map& now, const std::vector<MapSession>& sessions, Laye
     database.put("contents", second_head_row, head);
     written.head = head;
   }
-  const auto index = [](std::size_t i) { return static_cast<std::int64_t>(i); };
-  write_list("cameras", now.cameras, index, written, database);
-  write_list("sessions", sessions, index, written, database);
+  write_numbered("cameras", now.cameras, written, database);
+  write_numbered("sessions", sessions, written, database);
   write_list(
       "keyframes", now.keyframes, [&](std::size_t i) { return now.keyframes[i].id; }, written, database);
-  write_list("constraints", now.constraints, index, written, database);
-  write_list("frames", now.frames, index, written, database);
+  write_numbered("constraints", now.constraints, written, database);
+  write_numbered("frames", now.frames, written, database);
   write_layers(written.layers, now.layers, layers, database);
   written.layers = now.layers;
 }

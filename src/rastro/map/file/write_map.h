@@ -24,7 +24,8 @@ struct WrittenMap {
     std::size_t hash;
   };
   std::string head;
-  std::map<std::string, std::vector<Row>> tables;  ///< Of the pose graph; ids ascend.
+  std::map<std::string, std::vector<Row>> tables;            ///< Of the pose graph; ids ascend.
+  std::map<std::string, std::vector<std::size_t>> numbered;  ///< The same, of rows counted from 0: their hashes alone.
   LayerSet layers;
 };
 

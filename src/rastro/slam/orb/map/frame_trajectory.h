@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <ranges>
+#include <utility>
 #include <vector>
 
+#include "rastro/math/packed_se3.h"
 #include "rastro/sensor/trajectory.h"
 #include "rastro/slam/orb/map/map_graph.h"
 
@@ -31,15 +34,13 @@ struct FrameMeasurements {
   std::shared_ptr<const DirectObservation> direct = {};  ///< Null: none.
 };
 
-/// A frame with a pose relative to a keyframe, so that it follows the keyframe's later corrections. Small, since most
-/// frames are only remembered: a live run has 100,000 in an hour.
+/// A frame with a pose relative to a keyframe, so that it follows the keyframe's later corrections.
 struct TrackedFrame {
   std::int64_t index = 0;
   TimeNs stamp = 0;
   std::int64_t keyframe = 0;
   double unit = 1.0;  ///< The keyframe's unit when the frame was tracked.
-  /// It ends with 8 bytes of padding; the next member is there.
-  [[no_unique_address]] SE3 camera_from_keyframe;
+  SE3 camera_from_keyframe;
   std::int64_t became = -1;                                ///< The keyframe made from it; -1: none.
   std::shared_ptr<const FrameMeasurements> measured = {};  ///< Null: it is only remembered.
 };
@@ -47,7 +48,8 @@ struct TrackedFrame {
 /// Re-estimates the pose from the frame's measurements in the current map; kept with fewer than `least` inliers.
 void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least);
 
-/// All frames that have a pose.
+/// All frames that have a pose, each index once. Most are only remembered, and these take little memory: a live run has
+/// 100,000 in an hour.
 class FrameTrajectory {
  public:
   void add(const TrackedFrame& frame);
@@ -67,16 +69,39 @@ class FrameTrajectory {
   /// To save memory: drops the measurements of all frames, and of those added from now on; refine() skips these.
   void forget_observations();
   std::size_t bytes() const;
-  const std::vector<TrackedFrame>& frames() const { return frames_; }
+  /// By index: a random-access view, made as it is read.
+  auto frames() const {
+    return std::views::iota(std::size_t{0}, poses_.size()) |
+           std::views::transform([this](std::size_t k) { return frame(k); });
+  }
   /// world_from_camera of the frames whose keyframe is in `submap`, in the order of the recording.
   Trajectory trajectory(const MapGraph& graph, int submap) const;
   /// The submap with most frames, the smallest of equals.
   int largest_submap(const MapGraph& graph) const;
 
  private:
+  /// What is kept of every frame. 32 bits for an index last four years at 30 Hz.
+  struct Pose {
+    TimeNs stamp;
+    double unit;
+    PackedSE3 camera_from_keyframe;
+    std::uint32_t index;
+    std::int32_t keyframe;
+  };
+  /// By index; few frames have one.
+  template <typename T>
+  using OfSome = std::vector<std::pair<std::int64_t, T>>;
+
+  static Pose packed(const TrackedFrame& frame);
+  TrackedFrame frame(std::size_t k) const;
+  void set(std::size_t k, const TrackedFrame& frame);
+  /// The number of frames where there is none of that index.
+  std::size_t position_of(std::int64_t index) const;
   void make_room();
 
-  std::vector<TrackedFrame> frames_;  ///< By index.
+  std::vector<Pose> poses_;  ///< By index.
+  OfSome<std::shared_ptr<const FrameMeasurements>> measured_;
+  OfSome<std::int64_t> became_;
   bool keeps_observations_ = true;
 };
 

@@ -293,7 +293,40 @@ TEST(FrameTrajectory, AFrameThatIsOnlyRememberedIsSmall) {
   }
   EXPECT_GT(bench.recorded.bytes(), 6U * sizeof(DirectObservation));
   ASSERT_EQ(bench.recorded.take_observed(0, 6).size(), 6U);
-  EXPECT_LE(bench.recorded.bytes(), 6U * 112U);
+  EXPECT_LE(bench.recorded.bytes(), 6U * 80U);
+}
+
+/// Whatever of it is kept where.
+TEST(FrameTrajectory, AFrameComesBackAsItWasAdded) {
+  PathBench bench(CameraKind::depth);
+  TrackedFrame last;
+  for (const std::int64_t index : {7, 3, 2'000'000'000, 5}) {
+    TrackedFrame frame = bench.seeing(index % 100, index % 2, pose_at(0.013 * static_cast<double>(index % 100)), SE3());
+    frame.index = index;
+    frame.stamp = 1'700'000'000'000'000'000 + index;
+    frame.unit = 1.0 / static_cast<double>(index);
+    if (index != 5) frame.became = index % 3;
+    if (index == 3) frame.measured.reset();
+    bench.recorded.add(frame);
+    const auto frames = bench.recorded.frames();
+    const auto same = std::ranges::find_if(frames, [&](const TrackedFrame& other) { return other.index == index; });
+    ASSERT_NE(same, frames.end());
+    const TrackedFrame back = *same;
+    EXPECT_EQ(back.stamp, frame.stamp);
+    EXPECT_EQ(back.keyframe, frame.keyframe);
+    EXPECT_EQ(back.unit, frame.unit);
+    EXPECT_EQ(back.became, frame.became);
+    EXPECT_EQ(back.measured, frame.measured);
+    EXPECT_EQ(back.camera_from_keyframe.matrix(), frame.camera_from_keyframe.matrix());
+    if (index == 2'000'000'000) last = frame;
+  }
+  ASSERT_TRUE(bench.recorded.repeat_last(2'000'000'001, last.stamp + 1));
+  const TrackedFrame repeated = bench.recorded.frames().back();
+  EXPECT_EQ(repeated.became, last.became);
+  EXPECT_EQ(repeated.measured, last.measured);
+  bench.recorded.forget(bench.map.graph, 0);
+  EXPECT_TRUE(bench.recorded.frames().empty());
+  EXPECT_EQ(bench.recorded.bytes(), 0U);
 }
 
 TEST(FrameTrajectory, WhereMemoryIsShortFramesAreRememberedOnly) {

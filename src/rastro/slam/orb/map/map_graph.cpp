@@ -91,7 +91,8 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   MapKeyframe& gone = keyframe(id);
   RASTRO_CHECK(gone.parent >= 0, "the root of a submap stays");
   const MapKeyframe& parent = keyframe(gone.parent);
-  const Removed kept{gone.parent, gone.camera_from_world * parent.camera_from_world.inverse(), parent.unit, gone.unit};
+  const Removed kept{gone.parent, PackedSE3(gone.camera_from_world * parent.camera_from_world.inverse()), parent.unit,
+                     gone.unit};
   removed_.emplace(std::upper_bound(removed_.begin(), removed_.end(), id, is_before), id, kept);
   newly_removed_.push_back(id);
   const std::size_t least = sensor_ == CameraKind::mono ? 2 : 1;
@@ -151,7 +152,8 @@ const MapGraph::Removed& MapGraph::removed(std::int64_t id) const {
 SE3 MapGraph::camera_from_world(std::int64_t id) const {
   if (has_keyframe(id)) return keyframe(id).camera_from_world;
   const Removed& gone = removed(id);
-  return scaled(gone.keyframe_from_parent, unit(gone.parent) / gone.parent_unit) * camera_from_world(gone.parent);
+  return scaled(gone.keyframe_from_parent.pose(), unit(gone.parent) / gone.parent_unit) *
+         camera_from_world(gone.parent);
 }
 
 double MapGraph::unit(std::int64_t id) const {

@@ -10,6 +10,7 @@
 #include "rastro/base/id_table.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/math/packed_se3.h"
 #include "rastro/math/se3.h"
 #include "rastro/math/sim3.h"
 #include "rastro/slam/orb/direct_alignment.h"
@@ -146,10 +147,10 @@ class MapGraph {
 
  private:
   struct Removed {
-    std::int64_t parent = -1;
-    SE3 keyframe_from_parent;  ///< In the parent's unit at the time...
-    double parent_unit = 1.0;  ///< ... which is this.
-    double unit = 1.0;         ///< The keyframe's own unit then.
+    std::int64_t parent;
+    PackedSE3 keyframe_from_parent;  ///< In the parent's unit at the time...
+    double parent_unit;              ///< ... which is this.
+    double unit;                     ///< The keyframe's own unit then.
   };
   const Removed& removed(std::int64_t id) const;
   void move_children(const MapKeyframe& gone);
