@@ -163,6 +163,22 @@ TEST_F(KeyframeMatcherTest, SurfacesDecideWithFewFeatures) {
   EXPECT_FALSE(match(a, b, 25));
 }
 
+/// Few features may be off by a hand's breadth, and surfaces have it better; but not those that are found elsewhere.
+TEST_F(KeyframeMatcherTest, SurfacesThatSlideFarFromTheFeaturesDoNotDecide) {
+  const SE3 pose_a = looking({-0.8, -0.4, 1.2}, M_PI + 0.7, -0.4),
+            pose_b = looking({-0.85, -0.3, 1.25}, M_PI + 0.65, -0.4);
+  const View a = view(pose_a, 1);
+  View b = thinned(view(pose_b, 2), 40);
+  for (const double turned_rad : {-0.5, -0.25, -0.15, 0.0, 0.15, 0.25, 0.5}) {
+    const SE3 seen = pose_b * SE3(SO3::exp({0.0, 0.0, turned_rad}), Eigen::Vector3d::Zero());
+    b.surface = view(seen, 3).surface;
+    const auto slid = match(a, b, 25);
+    ASSERT_EQ(slid.has_value(), std::abs(turned_rad) < 0.2) << turned_rad;
+    if (!slid) continue;
+    EXPECT_THAT(slid->a_from_b, pose_near(pose_a.inverse() * seen, 0.002, 0.002)) << turned_rad;
+  }
+}
+
 /// Wall and floor do not constrain the direction along both.
 TEST_F(KeyframeMatcherTest, SurfacesThatLeaveADirectionUnconstrainedDoNotDecide) {
   const View a = view(pose_a_, 1), b = thinned(view(pose_b_, 2), 80);
