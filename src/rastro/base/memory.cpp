@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/base/memory.h"
 
+#include <malloc.h>
+
 #include <fstream>
 #include <string>
 
@@ -23,5 +25,6 @@ double status_field_mb(std::string_view name) {
 
 double resident_memory_mb() { return status_field_mb("VmRSS:"); }
 double peak_resident_memory_mb() { return status_field_mb("VmHWM:"); }
+void return_freed_memory() { ::malloc_trim(0); }
 
 }  // namespace rastro

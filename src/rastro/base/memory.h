@@ -7,4 +7,7 @@ namespace rastro {
 double resident_memory_mb();
 double peak_resident_memory_mb();
 
+/// Gives what was freed back to the system, which counts it as resident until then.
+void return_freed_memory();
+
 }  // namespace rastro

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace rastro {
@@ -20,6 +23,22 @@ TEST(Memory, GrowsWithTouchedPagesAndThePeakStays) {
   EXPECT_GT(held, before + 60.0);
   // The kernel updates the two counts at slightly different moments.
   EXPECT_GT(peak_resident_memory_mb(), held - 1.0);
+}
+
+/// The last block pins what is below it.
+TEST(Memory, WhatWasFreedIsResidentUntilItIsReturned) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the allocator is another one";
+#endif
+  std::vector<std::unique_ptr<std::array<char, 1000>>> blocks(60000);
+  for (auto& block : blocks) {
+    block = std::make_unique<std::array<char, 1000>>();
+    block->fill('x');
+  }
+  for (std::size_t k = 0; k + 1 < blocks.size(); ++k) blocks[k].reset();
+  const double before = resident_memory_mb();
+  return_freed_memory();
+  EXPECT_LT(resident_memory_mb(), before - 40.0);
 }
 
 }  // namespace

@@ -210,6 +210,7 @@ int run_slam(const SlamFlags& flags) {
   const auto mcap = mcap_sink(flags.mcap, flags.out, prepared.method->name(), prepared.input.source->info());
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();
+  if (!live) prepared.slam.reset();  // its memory is needed for the files; a page may still ask it
   finish_recording(prepared.input, end.result.timing.live);
   end.result.method.name = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);

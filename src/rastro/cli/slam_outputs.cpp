@@ -13,6 +13,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/hash.h"
+#include "rastro/base/memory.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/export/cloud_image.h"
 #include "rastro/export/grid_image.h"
@@ -118,14 +119,21 @@ constexpr MapImageFile map_image_files[] = {
 
 struct TookTooLong {};
 
+/// Half of what is allowed, for whatever the program holds. Where it holds more than that, what is left is rounded down
+/// to a sixteenth of the limit, since it differs a little from run to run.
+std::size_t bytes_for_cloud(std::size_t max_memory_bytes) {
+  return_freed_memory();
+  const auto held = static_cast<std::size_t>(resident_memory_mb() * 1024.0 * 1024.0);
+  const std::size_t left = max_memory_bytes - std::min(max_memory_bytes, held), step = max_memory_bytes / 16 + 1;
+  return std::min(max_memory_bytes / 2, left / step * step);
+}
+
 /// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file. nullopt: whoever pressed Ctrl-C
 /// does not wait that long. Only whether there is one depends on the clock.
 std::optional<PointCloud> cloud_of(const Map& map, const SlamContext& context, bool interrupted) {
-  constexpr double most_ms = 700.0;           // of two seconds for all
-  constexpr std::size_t bytes_a_voxel = 256;  // with room to grow; half of what is allowed is left to the rest
+  constexpr double most_ms = 700.0;  // of two seconds for all
   CloudOptions options = cloud_options_for(map);
-  if (context.max_memory_bytes > 0)
-    options.max_voxels = std::min(options.max_voxels, context.max_memory_bytes / 2 / bytes_a_voxel + 1);
+  if (context.max_memory_bytes > 0) keep_within(bytes_for_cloud(context.max_memory_bytes), map, options);
   const Stopwatch watch;
   try {
     return build_cloud(map, options, context.pool, [&](std::size_t, std::size_t) {
@@ -235,7 +243,8 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
     if (images_of(run.map)) run.cloud = cloud_of(run.map, context, end.result.interrupted);
     outputs.lacks_cloud = images_of(run.map) && !run.cloud;
     if (run.cloud) {
-      write_whole_file(folder.file("cloud.ply"), cloud_ply(*run.cloud, "world"));
+      write_whole_file(folder.file("cloud.ply"),
+                       [&run](const PutPiece& put) { cloud_ply(*run.cloud, "world", {}, put); });
       outputs.files.push_back("cloud.ply");
     }
     const MapImageFile& image = *std::find_if(std::begin(map_image_files), std::end(map_image_files),

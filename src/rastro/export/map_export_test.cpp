@@ -69,6 +69,21 @@ TEST(Ply, ReadsBackTheCloudItWrites) {
   expect_same(parse_cloud_ply(bytes, "a.ply"), three_points());
 }
 
+TEST(Ply, IsTheSameInPieces) {
+  PointCloud cloud = three_points();
+  while (cloud.points.size() < 30000) cloud.points.push_back(cloud.points[cloud.points.size() - 3]);
+  std::string bytes;
+  std::size_t pieces = 0, longest = 0;
+  cloud_ply(cloud, "world", {}, [&](std::string_view piece) {
+    bytes += piece;
+    longest = std::max(longest, piece.size());
+    ++pieces;
+  });
+  EXPECT_TRUE(bytes == cloud_ply(cloud, "world"));
+  EXPECT_GT(pieces, 3U);
+  EXPECT_LT(longest, 300'000U);
+}
+
 TEST(Ply, ReadsWhatOthersWrite) {
   const std::string text =
       "ply\r\nformat ascii 1.0\r\nelement camera 1\r\nproperty double f\r\nelement vertex 4\r\nproperty double z\r\n"

@@ -13,6 +13,7 @@ namespace {
 
 using detail::append_raw;
 
+constexpr std::size_t bytes_a_point = 35;
 constexpr const char* position_properties =
     "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n";
@@ -29,21 +30,32 @@ float known_sigma(const CloudPoint& point) {
 }  // namespace
 
 std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms) {
+  std::string bytes;
+  bytes.reserve(1000 + bytes_a_point * cloud.points.size());
+  cloud_ply(cloud, frame, terms, [&bytes](std::string_view piece) { bytes += piece; });
+  return bytes;
+}
+
+void cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms,
+               const std::function<void(std::string_view)>& put) {
+  constexpr std::size_t piece_bytes = 1 << 18;
   std::string bytes = head(frame, terms.unit);
   if (cloud.voxel_m > 0.0) bytes += fmt::format("comment one point a voxel of {:g} m\n", cloud.voxel_m);
   bytes += fmt::format("comment count: {}; sigma: standard deviation of {}, {}; nan: unknown\n", terms.count,
                        terms.sigma, terms.unit);
   bytes += fmt::format("element vertex {}\n{}property uint count\nproperty float sigma\nend_header\n",
                        cloud.points.size(), position_properties);
-  bytes.reserve(bytes.size() + 35 * cloud.points.size());
   for (const CloudPoint& point : cloud.points) {
     append_raw(bytes, point.position);
     append_raw(bytes, point.normal);
     append_raw(bytes, point.color);
     append_raw(bytes, point.count);
     append_raw(bytes, known_sigma(point));
+    if (bytes.size() < piece_bytes) continue;
+    put(bytes);
+    bytes.clear();
   }
-  return bytes;
+  put(bytes);
 }
 
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame) {

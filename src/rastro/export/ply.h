@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ struct CloudTerms {
 /// Binary PLY: x y z nx ny nz (float), red green blue (uchar), count (uint), sigma (float; nan: unknown). `frame`
 /// says in a comment what the coordinates are of.
 std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms = {});
+/// The same in pieces: as a whole it is as large as the cloud.
+void cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms,
+               const std::function<void(std::string_view)>& put);
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame);
 
 /// Reads the vertices of a PLY, text or binary of either byte order, from whatever program: x, y, z are needed;

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <set>
 
@@ -66,6 +64,7 @@ class Runner {
 
   SlamRunEnd run_to_the_end() {
     RunLoopEnd loop = run_loop(reader_, run_.live, run_.stop, [this](Frame& frame) { process(frame); });
+    if (run_.max_memory_bytes > 0) return_freed_memory();
     // A method that failed still has a trajectory and a map.
     run_guarded(loop, [this] { finish(); });
     run_guarded(loop, [this] { end_.trajectory = run_.method->trajectory(); });
@@ -95,27 +94,30 @@ class Runner {
     if (run_.progress)
       run_.progress(
           {end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update, &frame});
-    return_freed_memory();
+    return_what_copies_left();
     keep_below_ceiling(frame.index);
   }
 
   /// Large maps are copied often: what a copy leaves behind is free, but the system gets it back on request alone. Not
   /// for every image, which would be zeroed page by page again: with that, tracking took twice as long.
-  void return_freed_memory() {
+  void return_what_copies_left() {
     constexpr double least_mb = 96.0, growth = 1.02;
     constexpr int every_frames = 200;
     if (++frames_since_trim_ < every_frames) return;
     frames_since_trim_ = 0;
     if (resident_memory_mb() < std::max(least_mb, growth * trimmed_mb_)) return;
-    ::malloc_trim(0);
+    return_freed_memory();
     trimmed_mb_ = resident_memory_mb();
   }
 
+  /// What was freed counts as long as the system has not got it back. It gets it before the ceiling is reached: the
+  /// next frame may take 8 MB and pass it.
   void keep_below_ceiling(std::int64_t frame) const {
     if (run_.max_memory_bytes == 0) return;
+    constexpr double near = 0.92;
     const double most_mb = static_cast<double>(run_.max_memory_bytes) / (1024.0 * 1024.0);
-    if (resident_memory_mb() <= most_mb) return;
-    ::malloc_trim(0);  // freed memory not yet returned to the system counts as well
+    if (resident_memory_mb() <= near * most_mb) return;
+    return_freed_memory();
     if (resident_memory_mb() <= most_mb) return;
     throw Error(fmt::format("the memory limit of {:.0f} MiB is exhausted", most_mb), fmt::format("frame {}", frame),
                 "raise --max-memory; the results so far are kept");
@@ -248,7 +250,7 @@ class Runner {
   std::optional<AppendFile> online_, covariances_;
   SlamRunEnd end_;
   std::int64_t last_index_ = -1;
-  double trimmed_mb_ = 0.0;  ///< Resident after the last malloc_trim().
+  double trimmed_mb_ = 0.0;  ///< Resident after the last return_freed_memory().
   int frames_since_trim_ = 0;
   TimeNs first_stamp_ = 0, last_stamp_ = 0;
   SlamState last_state_ = SlamState::initializing;

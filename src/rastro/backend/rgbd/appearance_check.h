@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -43,6 +44,8 @@ class AppearanceCheck {
   /// As if the frame were packed and unpacked first.
   KeyframeAppearance appearance_of(const Frame& frame) const;
   AppearanceAgreement compare(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b) const;
+  /// Of one keyframe's.
+  std::size_t bytes() const { return rays_.size() * 2 * sizeof(float); }
 
  private:
   struct Patch;
@@ -57,15 +60,17 @@ class AppearanceCheck {
 /// The appearance of keyframes, computed from their images on demand. Thread-safe. `check` must outlive this.
 class AppearanceStore {
  public:
-  AppearanceStore(const AppearanceCheck& check, std::shared_ptr<const ImageStore> images)
-      : check_(check), images_(std::move(images)) {}
+  /// `most`: that are cached.
+  AppearanceStore(const AppearanceCheck& check, std::shared_ptr<const ImageStore> images, std::size_t most = usual_most)
+      : check_(check), images_(std::move(images)), recent_(most) {}
+  static constexpr std::size_t usual_most = 32;
   std::shared_ptr<const KeyframeAppearance> appearance(std::int64_t keyframe);
   const AppearanceCheck& check() const { return check_; }
 
  private:
   const AppearanceCheck& check_;
   std::shared_ptr<const ImageStore> images_;
-  RecentItems<KeyframeAppearance> recent_{32};
+  RecentItems<KeyframeAppearance> recent_;
 };
 
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -14,15 +15,17 @@ namespace rastro {
 /// their images. Thread-safe. `check` must outlive this.
 class DepthStore {
  public:
-  DepthStore(const SurfaceCheck& check, std::shared_ptr<const ImageStore> images)
-      : check_(check), images_(std::move(images)) {}
+  /// `most`: that are cached.
+  DepthStore(const SurfaceCheck& check, std::shared_ptr<const ImageStore> images, std::size_t most = usual_most)
+      : check_(check), images_(std::move(images)), recent_(most) {}
+  static constexpr std::size_t usual_most = 64;
   void add(std::int64_t keyframe, const DepthImage& depth);
   std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
 
  private:
   const SurfaceCheck& check_;
   std::shared_ptr<const ImageStore> images_;
-  RecentItems<KeyframeSurface> recent_{64};
+  RecentItems<KeyframeSurface> recent_;
 };
 
 }  // namespace rastro

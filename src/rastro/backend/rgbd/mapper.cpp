@@ -70,6 +70,13 @@ std::shared_ptr<const SignatureStore> signatures_of(const SlamContext& context,
   return in_memory;
 }
 
+/// How many of what can be made again are cached: a budget has an eighth for them.
+std::size_t cached(std::size_t usual, std::size_t bytes_each, const MapBudget& budget) {
+  constexpr std::size_t fewest = 8, share = 8;
+  if (!budget.limited() || bytes_each == 0) return usual;
+  return std::clamp(budget.bytes() / share / bytes_each, fewest, usual);
+}
+
 }  // namespace
 
 Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
@@ -83,8 +90,10 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       in_memory_(std::make_shared<MemoryImages>()),
       images_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
-      depths_(matcher_.surfaces(), images_),
-      proof_{AppearanceCheck(camera, depth_noise(options)), AppearanceStore(proof_.check, images_)},
+      depths_(matcher_.surfaces(), images_, cached(DepthStore::usual_most, matcher_.surfaces().bytes(), budget_)),
+      proof_{
+          AppearanceCheck(camera, depth_noise(options)),
+          AppearanceStore(proof_.check, images_, cached(AppearanceStore::usual_most, proof_.check.bytes(), budget_))},
       features_(options),
       graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
       search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {
@@ -269,10 +278,12 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
 }
 
 /// By the known size of the map, not by the system's memory usage, which differs from run to run. Poses, covariances
-/// and constraints are stored twice, here and by the tracker.
+/// and constraints are stored twice, here and by the tracker, and a third time, without covariances, in the map that is
+/// being saved; frames by the tracker, in that map and at the end in the trajectory.
 std::size_t Mapper::map_bytes() const {
-  constexpr std::size_t a_keyframe = 2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)),
-                        a_constraint = 2 * sizeof(Constraint), a_frame = sizeof(SE3) + 2 * sizeof(std::int64_t);
+  constexpr std::size_t a_keyframe =
+      2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)) + sizeof(Keyframe);
+  constexpr std::size_t a_constraint = 3 * sizeof(Constraint), a_frame = 3 * sizeof(MapFrame);
   return bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
          graph_.edges().size() * a_constraint + frames_ * a_frame;
 }

@@ -31,13 +31,14 @@ struct TwoKeyframes {
     revisions[1] = mapper.add(next);
     for (std::int64_t k = 0; k < 2; ++k) images[k] = mapper.images()->read(k).bytes();
   }
-  /// Features with keypoint, descriptor and depth; poses, covariances and edges twice, here and by the tracker.
+  /// Features with keypoint, descriptor and depth; poses, covariances and edges twice, here and by the tracker; poses,
+  /// edges and frames in the map that is being saved, and frames in the trajectory.
   std::size_t expected(std::size_t keyframes, std::size_t edges, std::size_t frames) const {
-    std::size_t bytes = 2 * edges * sizeof(Constraint) + frames * (sizeof(SE3) + 2 * sizeof(std::int64_t));
+    std::size_t bytes = 3 * edges * sizeof(Constraint) + frames * 3 * (sizeof(SE3) + 2 * sizeof(std::int64_t));
     for (std::size_t k = 0; k < keyframes; ++k) {
       const std::size_t features = revisions[k].keyframe->features.size();
       bytes += sizeof(ImageFeatures) + features * (sizeof(Keypoint) + sizeof(Descriptor) + sizeof(float)) + images[k] +
-               2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>));
+               2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)) + sizeof(Keyframe);
     }
     return bytes;
   }

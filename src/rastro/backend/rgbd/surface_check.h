@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +41,8 @@ class SurfaceCheck {
  public:
   SurfaceCheck(const Camera& camera, const SurfaceOptions& options);
   KeyframeSurface surface_of(const DepthImage& depth) const;
+  /// Of one keyframe's.
+  std::size_t bytes() const { return rays_.size() * (sizeof(float) + sizeof(BlockPlane)); }
   /// The environment measurement check of Endres et al. 2014, section III-E, in both directions.
   SurfaceAgreement compare(const KeyframeSurface& a, const KeyframeSurface& b, const SE3& a_from_b) const;
   /// Constraint on a_from_b from the planes of `a`, for pairs within `reach_m`.

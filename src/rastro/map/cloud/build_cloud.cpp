@@ -54,8 +54,8 @@ VoxelTable gather(const Map& map, const CloudOptions& options, TaskPool* pool, c
   VoxelTable table(options.voxel_m);
   SurfaceOptions surface = detail::surface_options(map, options.stride, options.min_depth_m, options.max_depth_m);
   surface.grazing_deg = options.grazing_deg;
-  std::vector<Sorted> group(detail::MapViews::group_size);
-  detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
+  std::vector<Sorted> group(options.keyframes_at_once);
+  detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool, options.keyframes_at_once);
   views.walk(
       [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& images, const RayTable& rays) {
         sort_samples(surface_samples(images, rays, surface), map.keyframes[keyframe].world_from_camera, table,
@@ -197,8 +197,24 @@ CloudOptions cloud_options_for(const Map& map) {
   return options;
 }
 
+void keep_within(std::size_t bytes, const Map& map, CloudOptions& options) {
+  if (map.cameras.empty()) return;
+  constexpr std::size_t a_voxel = 256;  // with its point, and room to grow
+  constexpr std::size_t fewest_voxels = 1 << 14;
+  // A sample is sorted in a list that grows, and every other one is a voxel before voxels can be merged.
+  constexpr std::size_t a_sample = 2 * sizeof(KeyedSample) + a_voxel / 2;
+  constexpr std::size_t a_pixel = 16;  // as it is unpacked
+  const Camera& camera = map.cameras.front().intrinsics;
+  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
+                    stride = static_cast<std::size_t>(options.stride),
+                    a_keyframe = 1 + pixels * a_pixel + pixels / (stride * stride) * a_sample;
+  const std::size_t of_keyframes = std::max(bytes / 3, a_keyframe), of_voxels = bytes - std::min(bytes, of_keyframes);
+  options.keyframes_at_once = std::min(options.keyframes_at_once, of_keyframes / a_keyframe);
+  options.max_voxels = std::min(options.max_voxels, std::max(fewest_voxels, of_voxels / a_voxel));
+}
+
 PointCloud build_cloud(const Map& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
-  RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
+  RASTRO_CHECK(options.voxel_m > 0.0 && options.keyframes_at_once > 0, "voxels have a size, and groups keyframes");
   std::optional<VoxelTable> table = gather(map, options, pool, progress);
   std::array<std::vector<KeyedPoint>, VoxelTable::shard_count> parts;
   const Thinning thinning(*table, options);

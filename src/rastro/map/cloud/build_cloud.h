@@ -21,6 +21,7 @@ struct CloudOptions {
   /// If a map needs more voxels, their side is doubled; PointCloud::voxel_m gives the final side. Each takes about 100
   /// bytes of memory.
   std::size_t max_voxels = 4'000'000;
+  std::size_t keyframes_at_once = 8;  ///< Their measurements are in memory; > 0.
 };
 
 /// How far the depth of the map's first camera is used: 5 m with a depth camera; with a stereo pair as far as its sigma
@@ -28,6 +29,8 @@ struct CloudOptions {
 double precise_depth_m(const Map& map);
 /// The defaults, with voxels and depth in proportion to precise_depth_m().
 CloudOptions cloud_options_for(const Map& map);
+/// So that build_cloud() takes no more memory than about `bytes`, or than a coarse cloud needs, and then its file.
+void keep_within(std::size_t bytes, const Map& map, CloudOptions& options);
 
 /// Receives the number of keyframes done and their total.
 using MapProgress = std::function<void(std::size_t done, std::size_t all)>;

@@ -179,6 +179,35 @@ TEST(BuildCloud, CoarsensRatherThanGrowBeyondItsLimit) {
     EXPECT_LT(std::abs(nearest_face(point.position.cast<double>()).distance), 0.08);
 }
 
+/// Where nothing is merged, how many keyframes are in memory does not matter.
+TEST(BuildCloud, GivesTheSameBytesForAnyNumberOfKeyframesAtOnce) {
+  const Map map = make_test_map(9);
+  const std::string usual = bytes_of(build_cloud(map, CloudOptions()));
+  for (const std::size_t at_once : {1U, 2U, 5U}) {
+    CloudOptions options;
+    options.keyframes_at_once = at_once;
+    EXPECT_TRUE(bytes_of(build_cloud(map, options)) == usual) << at_once;
+  }
+}
+
+TEST(BuildCloud, WithLessMemoryItHasFewerVoxelsAndKeyframesAtOnce) {
+  const Map map = make_test_map(1);
+  CloudOptions plenty;
+  keep_within(std::size_t{4} << 30, map, plenty);
+  EXPECT_EQ(plenty.max_voxels, CloudOptions().max_voxels);
+  EXPECT_EQ(plenty.keyframes_at_once, CloudOptions().keyframes_at_once);
+  CloudOptions before = plenty;
+  for (std::size_t megabytes = 1000; megabytes > 0; megabytes -= std::max<std::size_t>(1, megabytes / 10)) {
+    CloudOptions options;
+    keep_within(megabytes * 1'000'000, map, options);
+    EXPECT_LE(options.max_voxels, before.max_voxels) << megabytes;
+    EXPECT_LE(options.keyframes_at_once, before.keyframes_at_once) << megabytes;
+    before = options;
+  }
+  EXPECT_EQ(before.keyframes_at_once, 1U);
+  EXPECT_EQ(before.max_voxels, std::size_t{1} << 14) << "less is no cloud";
+}
+
 TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
   Map map = make_test_map(2);
   map.keyframes[1].submap = 1;

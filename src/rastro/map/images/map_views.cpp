@@ -42,8 +42,8 @@ SurfaceOptions surface_options(const Map& map, int stride, double min_depth_m, d
   return options;
 }
 
-MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool)
-    : map_(map), images_(images_of(map)), keyframes_(std::move(keyframes)), pool_(pool) {
+MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool, std::size_t at_once)
+    : map_(map), images_(images_of(map)), keyframes_(std::move(keyframes)), pool_(pool), at_once_(at_once) {
   if (!keyframes_.empty() && (!images_ || map.cameras.empty()))
     throw Error("has no depth images", "the map", "give a map of a depth camera");
 }
@@ -55,12 +55,12 @@ UnpackedImages MapViews::packed_images_of(std::size_t keyframe) const {
 
 void MapViews::walk(const Prepare& prepare, const Merge& merge,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-  for (std::size_t first = 0; first < keyframes_.size(); first += group_size) {
+  for (std::size_t first = 0; first < keyframes_.size(); first += at_once_) {
     if (rays_.width() == 0) {
       const DepthImage depth = packed_images_of(keyframes_.front()).depth;
       rays_ = RayTable(map_.cameras.front().intrinsics, depth.width(), depth.height());
     }
-    const std::size_t count = std::min(group_size, keyframes_.size() - first);
+    const std::size_t count = std::min(at_once_, keyframes_.size() - first);
     for_each_index(pool_, count, [&](std::size_t slot) {
       const std::size_t keyframe = keyframes_[first + slot];
       const UnpackedImages images = packed_images_of(keyframe);

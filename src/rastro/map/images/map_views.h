@@ -24,11 +24,11 @@ SurfaceOptions surface_options(const Map& map, int stride, double min_depth_m, d
 /// any thread with its images, then `merge` for each group in order. `prepare` writes to the entry `slot` of its group.
 class MapViews {
  public:
-  static constexpr std::size_t group_size = 8;
+  static constexpr std::size_t group_size = 8;  ///< Unless fewer are asked for.
   using Prepare = std::function<void(std::size_t slot, std::size_t keyframe, const UnpackedImages&, const RayTable&)>;
   using Merge = std::function<void(std::size_t first, std::size_t count)>;  ///< Of the list of keyframes.
 
-  MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool);
+  MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool, std::size_t at_once = group_size);
   const std::vector<std::size_t>& keyframes() const { return keyframes_; }
   /// Error where images cannot be read or have different sizes.
   void walk(const Prepare& prepare, const Merge& merge, const std::function<void(std::size_t, std::size_t)>& progress);
@@ -39,6 +39,7 @@ class MapViews {
   std::shared_ptr<const ImageStore> images_;
   std::vector<std::size_t> keyframes_;
   TaskPool* pool_;
+  std::size_t at_once_;
   RayTable rays_;
 };
 
