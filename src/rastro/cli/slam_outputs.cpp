@@ -119,25 +119,27 @@ constexpr MapImageFile map_image_files[] = {
 
 struct TookTooLong {};
 
-/// Half of what is allowed, for whatever the program holds. Where it holds more than that, what is left is rounded down
-/// to a sixteenth of the limit, since it differs a little from run to run.
-std::size_t bytes_for_cloud(std::size_t max_memory_bytes) {
-  return_freed_memory();
-  const auto held = static_cast<std::size_t>(resident_memory_mb() * 1024.0 * 1024.0);
-  const std::size_t left = max_memory_bytes - std::min(max_memory_bytes, held), step = max_memory_bytes / 16 + 1;
-  return std::min(max_memory_bytes / 2, left / step * step);
+/// Half of what is allowed, or what is left beside the map and the program. By the map's count, not by what is
+/// resident, which differs from run to run: the same run gives the same cloud.
+std::size_t bytes_for_cloud(std::size_t max_memory_bytes, std::size_t map_bytes) {
+  constexpr std::size_t program_bytes = std::size_t{96} << 20;
+  const std::size_t held = std::min(max_memory_bytes, map_bytes + program_bytes);
+  return std::min(max_memory_bytes / 2, max_memory_bytes - held);
 }
 
 /// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file. nullopt: whoever pressed Ctrl-C
 /// does not wait that long. Only whether there is one depends on the clock.
-std::optional<PointCloud> cloud_of(const Map& map, const SlamContext& context, bool interrupted) {
+std::optional<PointCloud> cloud_of(const Map& map, const SlamContext& context, const SlamResult& result) {
   constexpr double most_ms = 700.0;  // of two seconds for all
   CloudOptions options = cloud_options_for(map);
-  if (context.max_memory_bytes > 0) keep_within(bytes_for_cloud(context.max_memory_bytes), map, options);
+  if (context.max_memory_bytes > 0) {
+    return_freed_memory();
+    keep_within(bytes_for_cloud(context.max_memory_bytes, result.memory.map.bytes), map, options);
+  }
   const Stopwatch watch;
   try {
     return build_cloud(map, options, context.pool, [&](std::size_t, std::size_t) {
-      if (interrupted && watch.elapsed_ms() > most_ms) throw TookTooLong();
+      if (result.interrupted && watch.elapsed_ms() > most_ms) throw TookTooLong();
     });
   } catch (const TookTooLong&) {
     return std::nullopt;
@@ -240,7 +242,7 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
     write_hashed_files(run, files);
     outputs.files = files.names();
     if (run.grid) outputs.grid = size_of(*run.grid);
-    if (images_of(run.map)) run.cloud = cloud_of(run.map, context, end.result.interrupted);
+    if (images_of(run.map)) run.cloud = cloud_of(run.map, context, end.result);
     outputs.lacks_cloud = images_of(run.map) && !run.cloud;
     if (run.cloud) {
       write_whole_file(folder.file("cloud.ply"),
