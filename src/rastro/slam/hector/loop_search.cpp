@@ -11,6 +11,7 @@
 #include "rastro/backend/acceptance.h"
 #include "rastro/map/graph/planar.h"
 #include "rastro/registration/scan_to_map.h"
+#include "rastro/slam/hector/weak_direction.h"
 
 namespace rastro {
 namespace {
@@ -135,6 +136,17 @@ std::vector<Eigen::Vector2d> LoopSearch::points_around(std::size_t key_scan) con
   return points;
 }
 
+/// Body frame. What comes into view at the end of a corridor is in no submap of it, though the scan sees all
+/// directions, and a search finds it a place. Beside the pose of the graph there is none to be mistaken for.
+std::optional<Eigen::Vector2d> LoopSearch::unseen_direction(const Candidate& candidate,
+                                                            const SE2& submap_from_body) const {
+  const KeyScan& key_scan = key_scans_[candidate.key_scan];
+  if (key_scan.unseen_direction || !candidate.search) return key_scan.unseen_direction;
+  const auto structure = structure_of(*submaps_[candidate.submap], key_scan.scan.points, submap_from_body);
+  const WeakDirection weak = weak_direction(structure);
+  return weak.share < options_.degenerate_ratio ? std::optional(weak.direction) : std::nullopt;
+}
+
 std::optional<ClosedLoop> LoopSearch::verify(const Candidate& candidate) const {
   Submap& submap = *submaps_[candidate.submap];
   const std::vector<Eigen::Vector2d> points = points_around(candidate.key_scan);
@@ -153,7 +165,7 @@ std::optional<ClosedLoop> LoopSearch::verify(const Candidate& candidate) const {
   ClosedLoop loop{candidate.submap, candidate.key_scan, fit->score, fit->map_from_body, Eigen::Matrix3d::Zero()};
   const Eigen::Matrix3d information = fit->information + 1e-3 * Eigen::Matrix3d::Identity();
   loop.covariance = std::max(0.01, fit->residual_variance) * information.inverse();
-  if (const auto& unseen = key_scans_[candidate.key_scan].unseen_direction) {
+  if (const auto unseen = unseen_direction(candidate, fit->map_from_body)) {
     // Only the noise of the cells constrains this direction.
     const Eigen::Vector2d along = SubmapGraph::largest_sigma_m * (fit->map_from_body.rotation() * *unseen);
     loop.covariance.topLeftCorner<2, 2>() += along * along.transpose();

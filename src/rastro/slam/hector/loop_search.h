@@ -42,6 +42,7 @@ class LoopSearch {
   std::vector<std::optional<ClosedLoop>> verified(const std::vector<Candidate>& candidates) const;
   std::optional<ClosedLoop> verify(const Candidate& candidate) const;
   std::vector<Eigen::Vector2d> points_around(std::size_t key_scan) const;
+  std::optional<Eigen::Vector2d> unseen_direction(const Candidate& candidate, const SE2& submap_from_body) const;
   SE2 correction_by(const ClosedLoop& loop) const;
   std::vector<ClosedLoop> accepted(const std::vector<std::optional<ClosedLoop>>& verified) const;
 

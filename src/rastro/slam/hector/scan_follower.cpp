@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/hector/scan_follower.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <numbers>
+
+#include "rastro/slam/hector/weak_direction.h"
 
 namespace rastro {
 namespace {
@@ -27,32 +28,6 @@ double cost_of(const ScanToMapFit& fit, std::size_t points, const ScanPrior& pri
   const SE2 off = prior.pose.inverse() * fit.map_from_body;
   const Eigen::Vector3d error(off.translation().x(), off.translation().y(), off.rotation().angle());
   return static_cast<double>(points) * fit.residual_variance + error.dot(prior.information * error);
-}
-
-/// The direction parallel to most surfaces, body frame, and the share of surfaces across it.
-struct WeakDirection {
-  Eigen::Vector2d direction;
-  double share;
-};
-
-/// Determined from the scan alone, because the cells of a map are never as smooth as a wall. `points` in the order of
-/// the beams.
-WeakDirection weak_direction(std::span<const Eigen::Vector2d> points) {
-  constexpr double base_m = 0.3, gap_m = 0.5;
-  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
-  for (std::size_t i = 0, j = 0; i < points.size(); ++i) {
-    // The base must be long enough, or range noise would rotate the normals.
-    j = std::max(j, i);
-    while (j + 1 < points.size() && (points[j] - points[i]).norm() < base_m &&
-           (points[j + 1] - points[j]).norm() < gap_m)
-      ++j;
-    const Eigen::Vector2d along = points[j] - points[i];
-    if (along.norm() < base_m) continue;
-    const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
-    normals += normal * normal.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(normals);
-  return {solver.eigenvectors().col(0), solver.eigenvalues()[0] / std::max(1.0, solver.eigenvalues()[1])};
 }
 
 Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
@@ -115,15 +90,6 @@ std::optional<ScanToMapFit> ScanFollower::searched(Submap& map, std::span<const 
   return fit && !unmapped(*fit) ? fit : std::nullopt;
 }
 
-/// A person who walks by, or what comes into view, is no structure that the map could constrain the motion by. Of a few
-/// scans, nothing tells which is which.
-std::vector<Eigen::Vector2d> ScanFollower::structure(const Submap& map, std::span<const Eigen::Vector2d> points,
-                                                     const SE2& submap_from_body) {
-  constexpr std::size_t few = 5;
-  if (map.key_scans().size() < few) return {points.begin(), points.end()};
-  return agreeing_points(map.levels().front(), points, submap_from_body);
-}
-
 void ScanFollower::keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                            FollowedScan& followed) const {
   const WeakDirection weak = weak_direction(points);
@@ -165,7 +131,7 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   } else {
     followed.local_from_body = map.local_from_submap() * fit->map_from_body;
   }
-  keep_guess_where_unseen(structure(map, points, fit->map_from_body), guess, followed);
+  keep_guess_where_unseen(structure_of(map, points, fit->map_from_body), guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;
 }

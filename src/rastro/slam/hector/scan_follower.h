@@ -54,8 +54,6 @@ class ScanFollower {
   CorrelativeWindow window(const ScanGuess& guess, bool doubtful) const;
   std::optional<ScanToMapFit> searched(Submap& map, std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                        bool doubtful) const;
-  static std::vector<Eigen::Vector2d> structure(const Submap& map, std::span<const Eigen::Vector2d> points,
-                                                const SE2& submap_from_body);
   void keep_guess_where_unseen(std::span<const Eigen::Vector2d> points, const ScanGuess& guess,
                                FollowedScan& followed) const;
 

@@ -86,6 +86,37 @@ TEST(SubmapGraph, FreesEverySecondSubmapThenPointsThenTheOldestSubmaps) {
   EXPECT_EQ(graph.bytes(), least);
 }
 
+/// A bare corridor, and a pillar that comes into view where the first submap knows nothing.
+TEST(SubmapGraph, ALoopSaysNothingAlongWhatItsSubmapDoesNotShow) {
+  WalledDrive drive;
+  drive.walls.add({-40.0, -1.0}, {40.0, -1.0});
+  drive.walls.add({-40.0, 1.0}, {40.0, 1.0});
+  drive.walls.add_box(11.0, 0.3, 11.5, 1.0);
+  drive.reach_m = 6.0;
+  drive.world_from_body = {pose_of(0.0, 0.0, 0.0)};
+  drive.go(pose_of(0.2, 0.0, 0.0), 30);
+  HectorOptions options;
+  options.loop_every = 1;
+  SubmapGraph graph(options, nullptr);
+  const std::size_t keys = drive.world_from_body.size();
+  for (std::size_t key = 0; key < keys; ++key) {
+    if (key == 10) graph.submaps().back()->finish();
+    if (key == 0 || key == 10) graph.add_submap(drive.ground_truth(key));
+    graph.add_key_scan({0,
+                        static_cast<TimeNs>(key),
+                        returns_of(drive.scan(key), options),
+                        drive.ground_truth(key),
+                        0.2 * static_cast<double>(key),
+                        {}},
+                       Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal());
+  }
+  ASSERT_GT(graph.search_loops(keys - 4), 0);
+  for (const ClosedLoop& loop : graph.loops()) {
+    EXPECT_GT(std::sqrt(loop.covariance(0, 0)), 2.0) << loop.key_scan;
+    EXPECT_LT(std::sqrt(loop.covariance(1, 1)), 0.1) << loop.key_scan;
+  }
+}
+
 TEST(SubmapGraph, ScansOfFewPointsAreNotThinned) {
   for (const int beams : {79, 80}) {
     ShortSubmaps matched;
