@@ -11,12 +11,14 @@
 namespace rastro {
 namespace {
 
+constexpr double mb_per_kib = 1024.0 * 1e-6;
+
 double status_field_mb(std::string_view name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
     if (!line.starts_with(name)) continue;
     const auto words = split_words(line);
-    return words.size() < 2 ? 0.0 : parse_double(words[1]).value_or(0.0) / 1024.0;
+    return words.size() < 2 ? 0.0 : mb_per_kib * parse_double(words[1]).value_or(0.0);
   }
   return 0.0;
 }

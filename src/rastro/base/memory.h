@@ -3,7 +3,8 @@
 
 namespace rastro {
 
-/// Resident memory of this process in MiB, from /proc/self/status; 0 where that does not exist.
+/// Resident memory of this process in 10^6 bytes, as limits and results count them, from /proc/self/status; 0 where
+/// that does not exist.
 double resident_memory_mb();
 double peak_resident_memory_mb();
 

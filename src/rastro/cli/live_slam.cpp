@@ -76,7 +76,7 @@ LiveSlam::LiveSlam(const ServerFlags& flags, const LiveHello& run, Slam& method,
                    std::filesystem::path folder, std::size_t max_memory_bytes)
     : method_(method),
       folder_(std::move(folder)),
-      most_mb_(max_memory_bytes > 0 ? most_share_of_memory * static_cast<double>(max_memory_bytes) / (1024.0 * 1024.0)
+      most_mb_(max_memory_bytes > 0 ? most_share_of_memory * 1e-6 * static_cast<double>(max_memory_bytes)
                                     : std::numeric_limits<double>::infinity()),
       sink_(
           flags, run, mapping ? commands_of_mapping() : std::vector<LiveCommand>{},

@@ -119,8 +119,9 @@ constexpr MapImageFile map_image_files[] = {
 
 struct TookTooLong {};
 
-/// A quarter of what is allowed, or half of what is left beside the map and the program: its points and their image come
-/// on top. By the map's count, not by what is resident, which differs from run to run: the same run gives the same cloud.
+/// A quarter of what is allowed, or half of what is left beside the map and the program: its points and their image
+/// come on top. By the map's count, not by what is resident, which differs from run to run: the same run gives the same
+/// cloud.
 std::size_t bytes_for_cloud(std::size_t max_memory_bytes, std::size_t map_bytes) {
   constexpr std::size_t program_bytes = std::size_t{96} << 20;
   const std::size_t held = std::min(max_memory_bytes, map_bytes + program_bytes);

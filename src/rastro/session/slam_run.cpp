@@ -115,11 +115,11 @@ class Runner {
   void keep_below_ceiling(std::int64_t frame) const {
     if (run_.max_memory_bytes == 0) return;
     constexpr double near = 0.92;
-    const double most_mb = static_cast<double>(run_.max_memory_bytes) / (1024.0 * 1024.0);
+    const double most_mb = 1e-6 * static_cast<double>(run_.max_memory_bytes);
     if (resident_memory_mb() <= near * most_mb) return;
     return_freed_memory();
     if (resident_memory_mb() <= most_mb) return;
-    throw Error(fmt::format("the memory limit of {:.0f} MiB is exhausted", most_mb), fmt::format("frame {}", frame),
+    throw Error(fmt::format("the memory limit of {:.0f} MB is exhausted", most_mb), fmt::format("frame {}", frame),
                 "raise --max-memory; the results so far are kept");
   }
 
