@@ -249,6 +249,7 @@ void HectorSlam::State::begin_submap_after_gap(const Frame& frame, const ScanPoi
 
 KeyScan HectorSlam::State::key_scan_of(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed) const {
   KeyScan key_scan{frame.index, frame.stamp, scan, followed.local_from_body, path_m_};
+  key_scan.assumed_motion = !frame.odometry_from_body || options_.guess != "odometry";
   if (followed.unseen_direction)
     key_scan.unseen_direction = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
   return key_scan;

@@ -137,11 +137,13 @@ std::vector<Eigen::Vector2d> LoopSearch::points_around(std::size_t key_scan) con
 }
 
 /// Body frame. What comes into view at the end of a corridor is in no submap of it, though the scan sees all
-/// directions, and a search finds it a place. Beside the pose of the graph there is none to be mistaken for.
+/// directions, and a search finds it a place. Beside the pose of the graph there is none to be mistaken for, and
+/// without odometry nothing else tells the way along: a doubtful place is better than none there (intel: 0.06 instead
+/// of 0.24 m).
 std::optional<Eigen::Vector2d> LoopSearch::unseen_direction(const Candidate& candidate,
                                                             const SE2& submap_from_body) const {
   const KeyScan& key_scan = key_scans_[candidate.key_scan];
-  if (key_scan.unseen_direction || !candidate.search) return key_scan.unseen_direction;
+  if (key_scan.unseen_direction || key_scan.assumed_motion || !candidate.search) return key_scan.unseen_direction;
   const auto structure = structure_of(*submaps_[candidate.submap], key_scan.scan.points, submap_from_body);
   const WeakDirection weak = weak_direction(structure);
   return weak.share < options_.degenerate_ratio ? std::optional(weak.direction) : std::nullopt;

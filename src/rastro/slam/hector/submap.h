@@ -31,6 +31,7 @@ struct KeyScan {
   SE2 local_from_body;                                             ///< As the matcher estimated it.
   double path_m = 0.0;                                             ///< Path length up to here.
   std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;  ///< Body frame; unobservable in the scan.
+  bool assumed_motion = false;                                     ///< No odometry told the way to it.
   /// Of the step to it after missing scans, (x, y, angle), local axes; otherwise zero.
   Eigen::Matrix3d gap_covariance = Eigen::Matrix3d::Zero();
 };
