@@ -51,7 +51,7 @@ OdometryError OdometryScale::error(double unknown_share) const {
   const double sigma = sigma_of_median_deviation * upper_median(ratios) / std::abs(factor_);
   const double of_usual = sigma / std::sqrt(static_cast<double>(ratios.size()));
   const double share = std::hypot(usual / factor_ - 1.0, of_usual, least_share);
-  return {std::min(share, unknown_share), sigma * sigma * stretch_m};
+  return {share, sigma * sigma * stretch_m};
 }
 
 void OdometryScale::judge() {

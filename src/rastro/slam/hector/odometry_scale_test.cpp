@@ -65,6 +65,16 @@ TEST(OdometryScale, TheErrorIsUnknownUntilManyStretchesShowIt) {
   EXPECT_GT(scale.error(0.1).variance_per_m, 0.0);
 }
 
+/// Too little to be made up for, and more than is assumed of an unknown robot.
+TEST(OdometryScale, AnErrorLargerThanExpectedIsSaid) {
+  for (const double factor : {0.86, 1.14}) {
+    OdometryScale scale;
+    drive(scale, factor, 400, 9);
+    EXPECT_EQ(scale.factor(), 1.0);
+    EXPECT_GT(scale.error(0.1).share, 0.9 * std::abs(factor - 1.0)) << factor;
+  }
+}
+
 /// Wheels of another size by a normal share, and slip that is independent from step to step: learned over 30 m, for 10
 /// m that no scan shows.
 TEST(OdometryScale, TheErrorIsAsLargeAsWhatHappensWhereScansDoNotTell) {
