@@ -65,6 +65,7 @@ class AppearanceStore {
       : check_(check), images_(std::move(images)), recent_(most) {}
   static constexpr std::size_t usual_most = 32;
   std::shared_ptr<const KeyframeAppearance> appearance(std::int64_t keyframe);
+  void clear() { recent_.clear(); }  ///< What is cached.
   const AppearanceCheck& check() const { return check_; }
 
  private:

@@ -21,6 +21,7 @@ class DepthStore {
   static constexpr std::size_t usual_most = 64;
   void add(std::int64_t keyframe, const DepthImage& depth);
   std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
+  void clear() { recent_.clear(); }  ///< What is cached.
 
  private:
   const SurfaceCheck& check_;

@@ -10,6 +10,8 @@
 #include "rastro/backend/acceptance.h"
 #include "rastro/backend/rgbd/given_map.h"
 #include "rastro/base/error.h"
+#include "rastro/base/memory.h"
+#include "rastro/optimize/pose_graph.h"
 
 namespace rastro {
 namespace {
@@ -279,11 +281,13 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
 
 /// By the known size of the map, not by the system's memory usage, which differs from run to run. Poses, covariances
 /// and constraints are stored twice, here and by the tracker, and a third time, without covariances, in the map that is
-/// being saved; frames by the tracker, in that map and at the end in the trajectory.
+/// being saved; frames by the tracker, in that map and at the end in the trajectory. At any time all constraints may be
+/// optimized.
 std::size_t Mapper::map_bytes() const {
   constexpr std::size_t a_keyframe =
       2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)) + sizeof(Keyframe);
-  constexpr std::size_t a_constraint = 3 * sizeof(Constraint), a_frame = 3 * sizeof(MapFrame);
+  constexpr std::size_t a_constraint = 3 * sizeof(Constraint) + pose_graph_bytes_per_edge;
+  constexpr std::size_t a_frame = 3 * sizeof(MapFrame);
   return bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
          graph_.edges().size() * a_constraint + frames_ * a_frame;
 }
@@ -334,8 +338,13 @@ MappingState Mapper::state() const {
   return {{map_bytes(), budget_.bytes(), measures()}, budget_.spacing(), graph_.variance_factor()};
 }
 
+/// No two keyframes are compared any more: the optimization gets the room of what that needed.
 MapRevision Mapper::settle() {
   MapRevision revision;
+  depths_.clear();
+  proof_.appearances.clear();
+  proof_.graph_paths.reset();
+  if (budget_.limited()) return_freed_memory();
   if (maps_ && graph_.size() > 1 && !is_stopped()) {
     const PoseGraphResult result = graph_.optimize_until_converged();
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",

@@ -11,6 +11,7 @@
 #include "rastro/backend/rgbd/given_map.h"
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/optimize/pose_graph.h"
 
 namespace rastro {
 namespace {
@@ -32,9 +33,10 @@ struct TwoKeyframes {
     for (std::int64_t k = 0; k < 2; ++k) images[k] = mapper.images()->read(k).bytes();
   }
   /// Features with keypoint, descriptor and depth; poses, covariances and edges twice, here and by the tracker; poses,
-  /// edges and frames in the map that is being saved, and frames in the trajectory.
+  /// edges and frames in the map that is being saved, and frames in the trajectory; what optimizing the edges takes.
   std::size_t expected(std::size_t keyframes, std::size_t edges, std::size_t frames) const {
-    std::size_t bytes = 3 * edges * sizeof(Constraint) + frames * 3 * (sizeof(SE3) + 2 * sizeof(std::int64_t));
+    std::size_t bytes = edges * (3 * sizeof(Constraint) + pose_graph_bytes_per_edge) +
+                        frames * 3 * (sizeof(SE3) + 2 * sizeof(std::int64_t));
     for (std::size_t k = 0; k < keyframes; ++k) {
       const std::size_t features = revisions[k].keyframe->features.size();
       bytes += sizeof(ImageFeatures) + features * (sizeof(Keypoint) + sizeof(Descriptor) + sizeof(float)) + images[k] +

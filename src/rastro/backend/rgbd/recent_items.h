@@ -36,6 +36,11 @@ class RecentItems {
     return shared;
   }
 
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    items_.clear();
+  }
+
  private:
   struct Held {
     std::shared_ptr<const Item> item;
