@@ -94,15 +94,16 @@ class Runner {
     if (run_.progress)
       run_.progress(
           {end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update, &frame});
-    return_what_copies_left();
+    return_what_was_freed();
     keep_below_ceiling(frame.index);
   }
 
-  /// Large maps are copied often: what a copy leaves behind is free, but the system gets it back on request alone. Not
-  /// for every image, which would be zeroed page by page again: with that, tracking took twice as long.
-  void return_what_copies_left() {
+  /// Each frame and each copy of the map leaves holes between what stays, and the next one takes others: without end,
+  /// so that memory would grow where the map does not. They are given back now and then. Not with every frame, which
+  /// would have their pages zeroed again: with that, tracking took twice as long.
+  void return_what_was_freed() {
     constexpr double least_mb = 96.0, growth = 1.02;
-    constexpr int every_frames = 200;
+    constexpr int every_frames = 25;
     if (++frames_since_trim_ < every_frames) return;
     frames_since_trim_ = 0;
     if (resident_memory_mb() < std::max(least_mb, growth * trimmed_mb_)) return;
