@@ -9,6 +9,7 @@
 #include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/backend/rgbd/given_map.h"
+#include "rastro/backend/rgbd/global_shutter.h"
 #include "rastro/base/checked_options.h"
 #include "rastro/base/stopwatch.h"
 
@@ -117,6 +118,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
   update.score = followed.points > 0 ? followed.inlier_share : 1.0;
   update.used = followed.inliers + followed.surface_points;
   const SE3& pose = followed.world_from_camera;
+  following_.motion.note(frame.stamp, pose);
   if (!exists()) {
     make_keyframe(frame, pose, std::nullopt, update);
   } else {
@@ -179,7 +181,7 @@ void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera
                                 const std::optional<Constraint>& constraint, SlamUpdate& update) {
   const std::int64_t id = map_.keyframe_count(), from = constraint ? constraint->from : -1;
   const int submap = constraint ? map_.submap(from) : map_.new_submap();
-  const auto order = std::make_shared<const KeyframeOrder>(
+  const auto order = std::make_shared<KeyframeOrder>(
       KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraint, map_.frame_count()});
   map_.add_pending({world_from_camera, submap}, from,
                    constraint ? Matrix6d(mapping_state_.variance_factor * without_common_errors(*constraint, options_))
@@ -188,7 +190,9 @@ void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera
   counts_.anchored = counts_.seen;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   say_pose(world_from_camera, covariance_of(world_from_camera, Matrix6d::Zero()), update);
-  const auto job = [this, order, segment = segment_] {
+  const auto job = [this, order, rotation = Eigen::Vector3d(following_.motion.velocity().tail<3>()),
+                    segment = segment_] {
+    order->frame = by_global_shutter(std::move(order->frame), camera_, rotation);
     return MappedKeyframe{order->id, segment, mapper_.add(*order)};
   };
   pipeline_.submit(job, {counts_.seen, frame.stamp}, {.frames = options_.backend_delay_frames});
@@ -217,13 +221,24 @@ void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
   anchor_.covariance = map_.covariance(anchor_.keyframe);
   constexpr double least = 1e-9;
   if (!(correction.log().norm() > least)) return;
-  follower_.move(correction);
+  move(correction);
   if (mapped.keyframe != anchor_.keyframe)
     anchor_.world_from_keyframe = correction * anchor_.world_from_keyframe;
   else
     anchor_.world_from_keyframe = map_.pose(mapped.keyframe);
   anchor_.world_from_reference = correction * anchor_.world_from_reference;
   last_pose_ = correction * last_pose_;
+}
+
+/// To be matched with keyframes.
+Frame RgbdSession::as_keyframe(const Frame& frame) const {
+  return by_global_shutter(frame, camera_, following_.motion.velocity().tail<3>());
+}
+
+/// What the session knows of the frames before moves with the map.
+void RgbdSession::move(const SE3& new_world_from_world) {
+  follower_.move(new_world_from_world);
+  following_.motion.move(new_world_from_world);
 }
 
 /// A map given stays as it is.

@@ -12,6 +12,7 @@
 #include "rastro/backend/rgbd/relocalizer.h"
 #include "rastro/backend/rgbd/tracked_map.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/odometry/rgbd_tracking/camera_motion.h"
 #include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
 #include "rastro/slam/motion_check.h"
 #include "rastro/slam/slam.h"
@@ -67,6 +68,7 @@ class RgbdSession {
     bool has_pose = true;         ///< False: the follower knows no pose to go on from.
     bool has_last_frame = false;  ///< The last frame was given to the follower.
     MotionCheck motion_check;
+    CameraMotion motion{};  ///< As the follower sees it.
   };
   /// A lost frame found in the map, not believed yet.
   struct UnconfirmedFrame {
@@ -92,6 +94,8 @@ class RgbdSession {
   void follow(const Frame& frame, SlamUpdate& update);
   void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void on_loss(const Frame& frame, SlamUpdate& update);
+  void move(const SE3& new_world_from_world);
+  Frame as_keyframe(const Frame& frame) const;
   void relocalize(const Frame& frame, SlamUpdate& update);
   std::optional<Relocalizer::Found> find_in_map(const Frame& frame, SlamUpdate& update);
   bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);

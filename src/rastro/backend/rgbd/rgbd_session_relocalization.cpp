@@ -22,11 +22,11 @@ void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamU
   if (due && (followed.new_reference || has_moved(followed))) {
     counts_.localized = counts_.seen;
     const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-    const auto found = relocalizer_.find_among(frame, with_features(keyframes_near(pose)), seed);
+    const auto found = relocalizer_.find_among(as_keyframe(frame), with_features(keyframes_near(pose)), seed);
     if (found && found->looks_alike) {
       anchor_at(found->keyframe, found->constraint);
       from_keyframe = anchor_.reference_covariance;
-      follower_.move(anchor_.world_from_reference * pose.inverse());
+      move(anchor_.world_from_reference * pose.inverse());
       pose = anchor_.world_from_reference;
     }
   }
@@ -44,6 +44,7 @@ void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& con
 void RgbdSession::on_loss(const Frame& frame, SlamUpdate& update) {
   if (!loss_.lost) loss_.frames = 0, loss_.since = frame.stamp;
   loss_.lost = true;
+  following_.motion.restart(update.world_from_body);
   if (update.reason == SlamReason::dark_or_blank || update.reason == SlamReason::repeated_frame) return;
   relocalize(frame, update);
 }
@@ -155,6 +156,7 @@ std::vector<std::int64_t> RgbdSession::hinted_keyframes() const {
 bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera,
                               const std::optional<Constraint>& constraint, SlamUpdate& update) {
   follower_.restart(world_from_camera);
+  following_.motion.restart(world_from_camera);
   const RgbdFollow followed = follower_.follow(frame);
   following_.has_pose = followed.new_reference;
   if (!following_.has_pose) return false;
@@ -164,6 +166,7 @@ bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera,
   update.reason = SlamReason::none;
   update.detail.clear();
   hint_.reset();
+  following_.motion.note(frame.stamp, world_from_camera);
   if (!mapping_) {
     anchor_at(constraint->from, {constraint->rigid(), constraint->information, 0, constraint->inliers, {}});
     say_pose(world_from_camera, covariance_of(world_from_camera, anchor_.reference_covariance), update);

@@ -44,7 +44,7 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   const std::vector<std::int64_t> known = known_here(pose);
   if (known.empty() || frame.depth.empty()) return false;
   const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-  const auto found = relocalizer_.find_among(frame, with_features(known), seed);
+  const auto found = relocalizer_.find_among(as_keyframe(frame), with_features(known), seed);
   if (!found || !found->looks_alike) return false;
   const Matrix6d of_match = found->constraint.information.inverse(), of_path = covariance_of(pose, from_keyframe);
   const SE3 matched = map_.pose(found->keyframe) * found->constraint.a_from_b;
@@ -67,7 +67,7 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   anchor_at(found->keyframe, found->constraint);
   anchor_.world_from_reference = fused;
   anchor_.reference_covariance = (Matrix6d::Identity() - gain) * tracked;
-  follower_.move(fused * pose.inverse());
+  move(fused * pose.inverse());
   say_pose(fused, covariance_of(fused, anchor_.reference_covariance), update);
   return true;
 }
