@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "rastro/base/sanitizer_testing.h"
+
 namespace rastro {
 namespace {
 
@@ -25,18 +27,9 @@ TEST(Memory, GrowsWithTouchedPagesAndThePeakStays) {
   EXPECT_GT(peak_resident_memory_mb(), held - 1.0);
 }
 
-// GCC defines a macro, clang has a feature.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#elif defined(__has_feature)
-constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool kSanitized = false;
-#endif
-
 /// The last block pins what is below it.
 TEST(Memory, WhatWasFreedIsResidentUntilItIsReturned) {
-  if (kSanitized) GTEST_SKIP() << "the allocator is another one";
+  if (testing::sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
   std::vector<std::unique_ptr<std::array<char, 1000>>> blocks(60000);
   for (auto& block : blocks) {
     block = std::make_unique<std::array<char, 1000>>();

@@ -12,6 +12,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/memory.h"
+#include "rastro/base/sanitizer_testing.h"
 #include "rastro/base/scratch_testing.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
@@ -27,15 +28,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-// GCC defines a macro, clang has a feature.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#elif defined(__has_feature)
-constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool kSanitized = false;
-#endif
 
 /// Moves 0.5 m per frame along x, closes a loop every tenth frame, and is weak on every seventh.
 class FakeSlam : public Slam {
@@ -268,7 +260,7 @@ TEST(SlamRun, EndsBeforeItTakesMoreMemoryThanAllowedAndKeepsWhatItHas) {
 
 /// The last block pins what is below it.
 TEST(SlamRun, WhatAFrameFreesIsGivenBackASecondLater) {
-  if (kSanitized) GTEST_SKIP() << "the allocator is another one";
+  if (testing::sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
   constexpr std::size_t block_bytes = 1000, blocks = 120000;
   constexpr std::int64_t frames = 30;
   FakeSource source(frames);
