@@ -29,7 +29,7 @@ TEST(Memory, GrowsWithTouchedPagesAndThePeakStays) {
 
 /// The last block pins what is below it.
 TEST(Memory, WhatWasFreedIsResidentUntilItIsReturned) {
-  if (testing::sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
+  if (sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
   std::vector<std::unique_ptr<std::array<char, 1000>>> blocks(60000);
   for (auto& block : blocks) {
     block = std::make_unique<std::array<char, 1000>>();

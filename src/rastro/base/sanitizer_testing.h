@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace rastro::testing {
+namespace rastro {
 
 /// Whether a sanitizer replaces the allocator, so that what is freed does not go back to the system. GCC defines a
 /// macro, clang has a feature.
@@ -13,4 +13,4 @@ inline constexpr bool sanitizes_memory = __has_feature(address_sanitizer) || __h
 inline constexpr bool sanitizes_memory = false;
 #endif
 
-}  // namespace rastro::testing
+}  // namespace rastro

@@ -260,7 +260,7 @@ TEST(SlamRun, EndsBeforeItTakesMoreMemoryThanAllowedAndKeepsWhatItHas) {
 
 /// The last block pins what is below it.
 TEST(SlamRun, WhatAFrameFreesIsGivenBackASecondLater) {
-  if (testing::sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
+  if (sanitizes_memory) GTEST_SKIP() << "the allocator is another one";
   constexpr std::size_t block_bytes = 1000, blocks = 120000;
   constexpr std::int64_t frames = 30;
   FakeSource source(frames);
