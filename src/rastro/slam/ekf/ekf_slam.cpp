@@ -68,6 +68,7 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   observe(observations, associations);
   learn(observations, associations, update);
   if (place_grew_) recognize_place(update);
+  check_consistency(update);
   update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, associations, update);
   if (budget_.limited()) stay_within_budget(update);
@@ -95,6 +96,11 @@ void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
   if (keyframes_.frames() == 0) update.reason = SlamReason::first_frame;
   const Motion motion = motion_.since_last(frame, update);
   // In short pieces, so that an error of the heading moves the rest of a long step sideways.
+  if (motion.measured) {
+    consistency_.move({filter_.scaled(motion.last_from_body), motion.covariance, true});
+  } else {
+    consistency_.interrupt();
+  }
   const int pieces = pieces_of(motion.last_from_body);
   const SE2 piece = SE2::exp(motion.last_from_body.log() / pieces);
   for (int i = 0; i < pieces; ++i) filter_.predict(piece, motion.covariance / pieces);
@@ -227,6 +233,15 @@ void EkfSlam::unite(const LandmarkPair& pair) {
     if (seen.landmark >= 0 && seen.landmark == recent.id) seen.landmark = known.id;
 }
 
+/// A filter that was once moved against odometry by more than its model explains has a wrong pose and a wrong map.
+void EkfSlam::check_consistency(SlamUpdate& update) {
+  consistency_.end_frame(filter_.world_from_body(), update.used > 0);
+  if (consistency_.factor() > 1.0)
+    mark_weak(update, SlamReason::poor_match,
+              fmt::format("landmarks and odometry contradict each other: by {:.1f} times what the settings explain",
+                          consistency_.factor()));
+}
+
 /// The last one takes its number.
 void EkfSlam::remove_landmark(std::size_t landmark) {
   filter_.remove(landmark);
@@ -296,8 +311,9 @@ MapMemory EkfSlam::map_memory() const {
 
 void EkfSlam::say_pose(SlamUpdate& update) const {
   update.world_from_body = in_space(filter_.world_from_body());
+  const double factor = consistency_.factor();
   const Eigen::Matrix3d covariance = filter_.body_covariance() + motion_.unknown_covariance();
-  update.covariance = in_space(covariance);
+  update.covariance = in_space(factor * factor * covariance);
 }
 
 std::vector<SlamEvent> EkfSlam::finish() {

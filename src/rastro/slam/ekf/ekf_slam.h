@@ -7,6 +7,7 @@
 
 #include "rastro/slam/ekf/association.h"
 #include "rastro/slam/ekf/body_motion.h"
+#include "rastro/slam/ekf/consistency_check.h"
 #include "rastro/slam/ekf/filter.h"
 #include "rastro/slam/ekf/joint_compatibility.h"
 #include "rastro/slam/ekf/keyframe_map.h"
@@ -49,6 +50,7 @@ class EkfSlam : public Slam {
   void judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update);
   void learn(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
              SlamUpdate& update);
+  void check_consistency(SlamUpdate& update);
   void observe(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations);
   void recognize_place(SlamUpdate& update);
   void unite(const LandmarkPair& pair);
@@ -76,6 +78,7 @@ class EkfSlam : public Slam {
 
   StampCheck stamps_;
   BodyMotion motion_;
+  ConsistencyCheck consistency_;
   double blind_m_ = 0.0;  ///< Path length since a landmark was last recognized.
   KeyframeMap keyframes_;
   std::vector<FeatureObservation> observations_;

@@ -299,6 +299,21 @@ TEST(EkfSlam, ReportsTheOdometryError) {
   }
 }
 
+TEST(EkfSlam, IsWeakAndUncertainWhereLandmarksAndOdometryContradictEachOther) {
+  for (const double scale : {1.0, 10.0}) {
+    LandmarkWorld world = ring_world(20, 5);
+    world.odometry_scale = scale;
+    LandmarkDrive drive(world, EkfOptions(), 1);
+    EkfSlam slam(EkfOptions(), false);
+    SlamUpdate update;
+    for (int i = 0; i < 250; ++i) update = slam.process(drive.next());
+    EXPECT_EQ(update.state, scale > 1.0 ? SlamState::weak : SlamState::tracking);
+    const double of_filter = slam.filter().body_covariance().trace();
+    EXPECT_GT(update.covariance->trace(), (scale > 1.0 ? 9.0 : 0.99) * of_filter);
+    EXPECT_LT(update.covariance->trace(), (scale > 1.0 ? 1000.0 : 1.01) * of_filter);
+  }
+}
+
 /// Largest distance of the filter and of odometry from ground truth in the second half of a drive.
 struct Farthest {
   double filter = 0.0, odometry = 0.0;

@@ -33,6 +33,11 @@ Eigen::Matrix3d EkfFilter::body_covariance() const {
   return covariance_.topLeftCorner<3, 3>().selfadjointView<Eigen::Lower>();
 }
 
+SE2 EkfFilter::scaled(const SE2& last_from_body) const {
+  return {SO2::from_angle((1.0 + mean_[4]) * last_from_body.rotation().angle()),
+          (1.0 + mean_[3]) * last_from_body.translation()};
+}
+
 EkfFilter::Own EkfFilter::own_covariance() const {
   return covariance_.topLeftCorner<own_size, own_size>().selfadjointView<Eigen::Lower>();
 }

@@ -24,6 +24,8 @@ class EkfFilter {
   SE2 world_from_body() const;
   /// The estimated shares, see the constructor: a true motion is 1 + share times what is told.
   Eigen::Vector2d odometry_scale() const { return mean_.segment<2>(3); }
+  /// A motion as told, with that scale.
+  SE2 scaled(const SE2& last_from_body) const;
   /// Covariance of (x, y, angle) in the world's axes.
   Eigen::Matrix3d body_covariance() const;
   std::size_t landmarks() const { return count_; }

@@ -22,7 +22,7 @@ Motion measured_motion(const SE2& last_from_body, const EkfOptions& options) {
   const double angle =
       square(options.odometry_error_deg_per_45_deg * radians_per_degree) * rotation / (45.0 * radians_per_degree) +
       square(options.heading_error_deg_per_m * radians_per_degree) * distance;
-  return {last_from_body, Eigen::Vector3d(along, along, angle).asDiagonal()};
+  return {last_from_body, Eigen::Vector3d(along, along, angle).asDiagonal(), true};
 }
 
 Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options,

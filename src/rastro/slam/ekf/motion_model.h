@@ -12,6 +12,7 @@ namespace rastro {
 struct Motion {
   SE2 last_from_body;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  bool measured = false;  ///< By odometry; else assumed.
 };
 
 /// The motion measured by odometry, with the noise of the options. Variances grow linearly with path length and
