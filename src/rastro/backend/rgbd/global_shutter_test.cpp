@@ -141,7 +141,7 @@ Frame rolling_room(int k) {
   return frame;
 }
 
-/// Mean distance between keyframes on the way there and on the way back by their matches; all were in one place.
+/// Mean distance between keyframes of a pan and of the pan back, by their matches; the camera stayed at one place.
 double error_with(double known_readout_s, const std::vector<Frame>& frames) {
   RgbdSlamOptions options;
   options.keyframe_frames = 2;
@@ -165,7 +165,7 @@ double error_with(double known_readout_s, const std::vector<Frame>& frames) {
   return sum_m / std::max(1, matches);
 }
 
-/// Frames on the way there are sheared one way, those on the way back the other way.
+/// The pan and the pan back shear images in opposite directions.
 TEST(GlobalShutter, KeyframesOfACameraThatTurnsBackFitTogether) {
   std::vector<Frame> frames;
   for (int k = 0; k < 2 * turn_at; ++k) frames.push_back(rolling_room(k));

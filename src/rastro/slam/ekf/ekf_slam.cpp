@@ -95,12 +95,12 @@ bool EkfSlam::is_in_time(const Frame& frame, SlamUpdate& update) {
 void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
   if (keyframes_.frames() == 0) update.reason = SlamReason::first_frame;
   const Motion motion = motion_.since_last(frame, update);
-  // In short pieces, so that an error of the heading moves the rest of a long step sideways.
   if (motion.measured) {
     consistency_.move({filter_.scaled(motion.last_from_body), motion.covariance, true});
   } else {
     consistency_.interrupt();
   }
+  // In short pieces, so that an error of the heading moves the rest of a long step sideways.
   const int pieces = pieces_of(motion.last_from_body);
   const SE2 piece = SE2::exp(motion.last_from_body.log() / pieces);
   for (int i = 0; i < pieces; ++i) filter_.predict(piece, motion.covariance / pieces);
