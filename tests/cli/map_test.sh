@@ -168,6 +168,13 @@ mono() {
   said 'scale        arbitrary'
   run 0 evaluate trajectory "$room" "$here/mono"
   grep -q 'in arbitrary units' "$here/stderr" || fail "the wrong alignment is not told"
+  run 0 evaluate trajectory "$room" "$here/mono/trajectory_online.txt"
+  grep -q 'in arbitrary units' "$here/stderr" || fail "the wrong alignment of the first estimates is not told"
+  mkdir "$here/metric"
+  cp "$here/mono/trajectory_online.txt" "$here/metric"
+  sed 's/arbitrary units/meters/' "$here/mono/trajectory.txt" > "$here/metric/trajectory.txt"
+  run 0 evaluate trajectory "$room" "$here/metric/trajectory_online.txt"
+  [[ ! -s $here/stderr ]] || fail "meters are taken for arbitrary units: $(cat "$here/stderr")"
   run 0 evaluate trajectory "$room" "$here/mono" --align sim3
   [[ ! -s $here/stderr ]] || fail "warned of the right alignment: $(cat "$here/stderr")"
   refused 'give one of' scale "$here/mono"

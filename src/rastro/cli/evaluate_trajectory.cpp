@@ -158,11 +158,18 @@ void warn_of_few(const TrajectoryScores& scores) {
                           one_line(scores.estimate), scores.pairs.size() == 1 ? "1 pose is" : "2 poses are"));
 }
 
-/// Of a file that rastro wrote for one camera, which says so in its first line.
-bool is_up_to_scale(const std::string& file) {
+std::string first_line(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  std::string first;
-  return std::getline(stream, first) && first.starts_with('#') && first.find("arbitrary units") != std::string::npos;
+  std::string line;
+  return std::getline(stream, line) ? line : std::string();
+}
+
+/// Of a file that rastro wrote for one camera, which says so in its first line. What is written while a run goes on
+/// cannot know yet; trajectory.txt beside it does.
+bool is_up_to_scale(const std::filesystem::path& file) {
+  std::string line = first_line(file);
+  if (line.find("if result.json says so") != std::string::npos) line = first_line(file.parent_path() / "trajectory.txt");
+  return line.starts_with('#') && line.find("arbitrary units") != std::string::npos;
 }
 
 void warn_of_arbitrary_units(const TrajectoryScores& scores, const TrajectoryInput& estimate) {

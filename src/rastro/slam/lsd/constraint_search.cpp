@@ -94,12 +94,12 @@ std::optional<Constraint> ConstraintSearch::align(const Candidate& candidate, st
   const std::int64_t other = candidate.id;
   const auto of_other = prepared(other), of_id = prepared(id);
   const SimilarityAlignment forward = align_to(*of_other, *of_id, candidate.other_from_id);
-  const double least_share = least_inlier_share(candidate, forward.b_from_a);
-  if (!fits(forward, least_share) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
+  const Limits limits = limits_for(candidate, forward.b_from_a);
+  if (!fits(forward, limits.inlier_share) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
   const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
-  if (!fits(backward, least_share)) return std::nullopt;
+  if (!fits(backward, limits.inlier_share)) return std::nullopt;
   const auto error = reciprocal_error(forward, backward);
-  if (!error || *error > options_.max_reciprocal_error) return std::nullopt;
+  if (!error || *error > limits.reciprocal_error) return std::nullopt;
   const Matrix7d covariance = forward.information.inverse();
   Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
   of_motion += common_covariance(graph_.keyframe(id).mean_inverse_depth);
@@ -130,14 +130,15 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
 }
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all. What is found where the map has
-/// it already is no other house.
-double ConstraintSearch::least_inlier_share(const Candidate& candidate, const Sim3& found) const {
-  constexpr double as_predicted = 0.05;
-  if (candidate.kind == ConstraintKind::proximity) return 0.0;
+/// it already is no other house: both alignments may be twice as far apart, as they are where one view is much nearer.
+ConstraintSearch::Limits ConstraintSearch::limits_for(const Candidate& candidate, const Sim3& found) const {
+  constexpr double as_predicted = 0.05, confirmed_error = 4.0;
+  if (candidate.kind == ConstraintKind::proximity) return {0.0, options_.max_reciprocal_error};
   const double mean_inverse_depth = graph_.keyframe(candidate.id).mean_inverse_depth;
   const bool is_confirmed =
       candidate.is_predicted && deviation(found, candidate.other_from_id, mean_inverse_depth) < as_predicted;
-  return is_confirmed ? 0.0 : options_.loop_share;
+  return is_confirmed ? Limits{0.0, confirmed_error * options_.max_reciprocal_error}
+                      : Limits{options_.loop_share, options_.max_reciprocal_error};
 }
 
 bool ConstraintSearch::fits(const SimilarityAlignment& alignment, double least_share) {

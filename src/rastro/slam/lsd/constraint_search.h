@@ -44,6 +44,10 @@ class ConstraintSearch {
     ConstraintKind kind = ConstraintKind::loop;
     bool is_predicted = false;  ///< By the poses of the map, which no loop moved just now.
   };
+  /// What a constraint must keep.
+  struct Limits {
+    double inlier_share, reciprocal_error;  ///< At least; at most, squared sigmas.
+  };
   std::vector<Candidate> near(std::int64_t id, const std::function<bool(std::int64_t)>& is_wanted) const;
   std::vector<Candidate> revisited(std::int64_t id, const std::vector<std::int64_t>& recent) const;
   std::vector<Constraint> align_all(const std::vector<Candidate>& candidates, std::int64_t id);
@@ -51,7 +55,7 @@ class ConstraintSearch {
   std::optional<Constraint> align(const Candidate& candidate, std::int64_t id);
   SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
   bool shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
-  double least_inlier_share(const Candidate& candidate, const Sim3& found) const;
+  Limits limits_for(const Candidate& candidate, const Sim3& found) const;
   static bool fits(const SimilarityAlignment& alignment, double least_share);
   ConstraintKind kind_beyond(std::int64_t other, std::int64_t id) const;
 

@@ -72,6 +72,19 @@ TEST_F(ConstraintSearchTest, ALoopThatMovesTheMapNeedsMoreSupport) {
   EXPECT_FALSE(loops_of(ConstraintSearch(options_, sensor_, moved, nullptr).find_revisited(last)).empty());
 }
 
+/// Both alignments are further apart than they may be elsewhere.
+TEST_F(ConstraintSearchTest, ALoopThatTheMapConfirmsMayAgreeLessWithItsReverse) {
+  const SemiDenseGraph right = graph_with(SE3()), moved = graph_with(SE3(SO3(), {0.0, 0.0, 0.25}));
+  const auto finds = [&](const SemiDenseGraph& graph) {
+    return !loops_of(ConstraintSearch(options_, sensor_, graph, nullptr).find(last, {})).empty();
+  };
+  ASSERT_TRUE(finds(moved));
+  while (finds(moved) && options_.max_reciprocal_error > 1e-15) options_.max_reciprocal_error /= 2.0;
+  EXPECT_TRUE(finds(right));
+  options_.max_reciprocal_error = 0.0;
+  EXPECT_FALSE(finds(right));
+}
+
 /// The camera came back to the first keyframe, and the last one was made of it.
 TEST_F(ConstraintSearchTest, WhatWasMadeOfAnEarlierKeyframeClosesNoLoopWithIt) {
   SemiDenseGraph graph = graph_with(SE3());

@@ -351,13 +351,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
        0,
        1000,
        {}});
-  table.add({"max_reciprocal_error",
-             &o.max_reciprocal_error,
-             "squared sigmas",
-             "largest difference between the alignments of two keyframes with each other",
-             0,
-             1e6,
-             {}});
+  table.add(
+      {"max_reciprocal_error",
+       &o.max_reciprocal_error,
+       "squared sigmas",
+       "largest difference between the alignments of two keyframes with each other; four times as much where the map "
+       "has the loop already",
+       0,
+       1e6,
+       {}});
   table.add({"min_constraint_overlap",
              &o.min_constraint_overlap,
              "",
