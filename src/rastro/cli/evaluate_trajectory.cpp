@@ -168,7 +168,8 @@ std::string first_line(const std::filesystem::path& file) {
 /// cannot know yet; trajectory.txt beside it does.
 bool is_up_to_scale(const std::filesystem::path& file) {
   std::string line = first_line(file);
-  if (line.find("if result.json says so") != std::string::npos) line = first_line(file.parent_path() / "trajectory.txt");
+  if (line.find("if result.json says so") != std::string::npos)
+    line = first_line(file.parent_path() / "trajectory.txt");
   return line.starts_with('#') && line.find("arbitrary units") != std::string::npos;
 }
 

@@ -26,11 +26,11 @@ PointMeasurement measurement_of(const FoundPoint& found, const PointMap& map, do
 
 }  // namespace
 
-void FollowedPoints::take(std::vector<FoundPoint> found, const PointMap& map) {
+void FollowedPoints::take(std::vector<FoundPoint> found, const PointMap& map, double noise_factor) {
   found_ = std::move(found);
   measured_.clear();
   for (const FoundPoint& point : found_)
-    measured_.push_back(measurement_of(point, map, options_.pixel_sigma / camera_.fx));
+    measured_.push_back(measurement_of(point, map, noise_factor * options_.pixel_sigma / camera_.fx));
 }
 
 void FollowedPoints::clear() {

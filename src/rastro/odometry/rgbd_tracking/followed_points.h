@@ -22,7 +22,8 @@ class FollowedPoints {
   /// Both outlive this.
   FollowedPoints(const RgbdOptions& options, const Camera& camera) : options_(options), camera_(camera) {}
 
-  void take(std::vector<FoundPoint> found, const PointMap& map);
+  /// `noise_factor`: of FeatureNoise.
+  void take(std::vector<FoundPoint> found, const PointMap& map, double noise_factor);
   void clear();
   void read_depths(const Frame& frame, const Vector6d& velocity, const DelayedDepth& depth);
   /// Of each, whether it is within so many pixels of where a camera at `pose` (world_from_camera) sees it.

@@ -44,7 +44,13 @@ void add_feature_options(OptionTable& table, RgbdOptions& o) {
   table.add({"features", &o.features, "", "number of features kept in a frame", 20, 5000, {}});
   table.add({"min_distance_px", &o.min_distance_px, "px", "minimum distance between features", 1, 500, {}});
   table.add({"patch_px", &o.patch_px, "px", "side of a feature's square patch, odd", 5, 31, {}});
-  table.add({"pixel_sigma", &o.pixel_sigma, "px", "standard deviation of a feature's position", 0.05, 20, {}});
+  table.add({"pixel_sigma",
+             &o.pixel_sigma,
+             "px",
+             "standard deviation of a feature's position, at least: what a recording shows to be larger is learned",
+             0.05,
+             20,
+             {}});
   table.add(
       {"shared_error_px",
        &o.shared_error_px,

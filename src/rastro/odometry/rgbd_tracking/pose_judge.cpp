@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "rastro/math/median.h"
+#include "rastro/odometry/rgbd_tracking/feature_noise.h"
 
 namespace rastro {
 namespace {
@@ -55,23 +55,12 @@ bool PoseJudge::features_fit(const RgbdFollow& result) const {
 }
 
 PoseJudge::ExcessVariance PoseJudge::excess_variance(const std::vector<PointMeasurement>& measured,
-                                                     const PoseSolution& solution) const {
+                                                     const PoseSolution& solution, double noise_factor) const {
+  if (static_cast<int>(measured.size()) < options_.min_points) return {};
   // Where most contradict the pose, drift is no excuse.
-  return {excess_at(solution.by_points_alone(), measured, true),
-          excess_at(solution.world_from_camera, measured, false)};
-}
-
-double PoseJudge::excess_at(const SE3& pose, const std::vector<PointMeasurement>& measured, bool drifts) const {
-  constexpr double median_of_noise = 1.386;  // of chi squared with two degrees of freedom
-  if (static_cast<int>(measured.size()) < options_.min_points) return 1.0;
-  const SE3 camera_from_world = pose.inverse();
-  std::vector<double> squares;
-  for (const PointMeasurement& point : measured) {
-    const Eigen::Vector3d p = camera_from_world * point.in_world;
-    const double sigma = drifts ? point.ray_sigma : options_.pixel_sigma / focal_px_;
-    squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (sigma * sigma));
-  }
-  return std::max(1.0, upper_median(std::move(squares)) / median_of_noise);
+  const double undrifted = options_.pixel_sigma / focal_px_, learned = noise_factor * noise_factor;
+  return {std::max(1.0, learned * variance_ratio(measured, solution.by_points_alone())),
+          std::max(1.0, variance_ratio(measured, solution.world_from_camera, undrifted)), learned};
 }
 
 bool PoseJudge::judge(const PoseSolution& solution, const SurfaceMatch& match, const Reference& newest,
@@ -82,8 +71,11 @@ bool PoseJudge::judge(const PoseSolution& solution, const SurfaceMatch& match, c
   const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
   if (!(sigma <= lost_sigma)) return false;
   const double factor = certain_share(result) >= most_fit ? excess.of_features : excess.of_all;
+  // What makes features worse than set makes surfaces worse, too.
+  PoseSolution as_set = solution;
+  as_set.points.information *= excess.learned;
   result.covariance = covariance_factor * factor * contradiction(result, options_.min_points) *
-                      solution.information_of_motion(unshared_error(solution, newest)).inverse();
+                      as_set.information_of_motion(unshared_error(solution, newest)).inverse();
   result.world_from_camera = solution.world_from_camera;
   result.surface_points = match.fitting;
   const Vector6d texture = solution.shared_points.information.diagonal();

@@ -24,16 +24,17 @@ class PoseJudge {
   struct ExcessVariance {
     double of_features = 1.0;  ///< At the pose of the features alone, with the larger noise of those that drift.
     double of_all = 1.0;       ///< At the pose of features and surfaces.
+    double learned = 1.0;      ///< The part of both that the features' weights take account of, see FeatureNoise.
   };
-  /// `measured`: all features, before outliers are taken out.
-  ExcessVariance excess_variance(const std::vector<PointMeasurement>& measured, const PoseSolution& solution) const;
+  /// `measured`: all features, before outliers are taken out. `noise_factor`: of FeatureNoise, which their sigmas have.
+  ExcessVariance excess_variance(const std::vector<PointMeasurement>& measured, const PoseSolution& solution,
+                                 double noise_factor) const;
 
   /// Fills pose, covariance, state and reason; false: lost. `newest`: the last reference frame.
   bool judge(const PoseSolution& solution, const SurfaceMatch& match, const Reference& newest,
              const ExcessVariance& excess, RgbdFollow& result) const;
 
  private:
-  double excess_at(const SE3& pose, const std::vector<PointMeasurement>& measured, bool drifts) const;
   void grade(double sigma, double excess, RgbdFollow& result) const;
 
   const RgbdOptions& options_;

@@ -17,6 +17,7 @@
 #include "rastro/odometry/rgbd_tracking/camera_motion.h"
 #include "rastro/odometry/rgbd_tracking/coverage.h"
 #include "rastro/odometry/rgbd_tracking/delayed_depth.h"
+#include "rastro/odometry/rgbd_tracking/feature_noise.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
 #include "rastro/odometry/rgbd_tracking/followed_points.h"
 #include "rastro/odometry/rgbd_tracking/landmark_finder.h"
@@ -93,6 +94,7 @@ class RgbdFollower::State {
   FeatureTracker tracker_;
   DelayedDepth depth_;
   FollowedPoints points_;  ///< Of the last frame.
+  FeatureNoise noise_;
   SurfaceMatcher surfaces_;
   PoseJudge judge_;
   LandmarkFinder landmark_finder_;
@@ -255,7 +257,8 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
     for (const FoundPoint& point : carried) features_.push_back({point.pixel, FollowedFeature::State::matched});
     return false;
   }
-  points_.take(image_useful ? tracker_.recognize(map_, *first, carried) : std::vector<FoundPoint>(), map_);
+  points_.take(image_useful ? tracker_.recognize(map_, *first, carried) : std::vector<FoundPoint>(), map_,
+               noise_.factor());
   // Depth readings depend on the pose at which the depth was taken, which is known now.
   const Vector6d velocity = motion_.velocity_to(frame.stamp, *first);
   const SE3 camera_from_depth = depth_.depth_from_color(frame, velocity).inverse();
@@ -268,7 +271,9 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   SurfaceMatch match;
   surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, reach_m, coarse_step, &match);
   result.points = static_cast<int>(points_.measured().size());
-  const PoseJudge::ExcessVariance excess = judge_.excess_variance(points_.measured(), solution);
+  const PoseJudge::ExcessVariance excess = judge_.excess_variance(points_.measured(), solution, noise_.factor());
+  if (static_cast<int>(points_.measured().size()) >= options_.min_points)
+    noise_.learn(variance_ratio(points_.measured(), solution.by_points_alone()));
   result.inlier_share = points_.keep_inliers(solution.by_points_alone(), map_, features_);
   result.inliers = static_cast<int>(points_.found().size());
   if (!judge_.judge(solution, match, map_.references.back(), excess, result)) return false;
