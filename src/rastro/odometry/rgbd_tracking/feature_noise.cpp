@@ -16,15 +16,17 @@ double variance_ratio(const std::vector<PointMeasurement>& measured, const SE3& 
   std::vector<double> squares;
   for (const PointMeasurement& point : measured) {
     const Eigen::Vector3d p = camera_from_world * point.in_world;
+    if (!(p.z() > 0.0)) continue;
     const double sigma = ray_sigma.value_or(point.ray_sigma);
     squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (sigma * sigma));
   }
-  return upper_median(std::move(squares)) / median_of_noise;
+  return upper_median_or(std::move(squares), median_of_noise) / median_of_noise;
 }
 
 void FeatureNoise::learn(double variance_ratio) {
   constexpr std::size_t fewest = 5, most = 30;
   constexpr double largest = 4.0;  // Beyond that they would be no features any more.
+  if (!std::isfinite(variance_ratio)) return;
   last_.push_back(factor_ * factor_ * variance_ratio);
   if (last_.size() > most) last_.pop_front();
   if (last_.size() < fewest) return;

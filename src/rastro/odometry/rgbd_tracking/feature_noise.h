@@ -11,7 +11,7 @@
 namespace rastro {
 
 /// How much larger the squared errors of most features are at this pose than `ray_sigma` explains, or than each one's
-/// own where none is given. The measured points must be in front of the camera.
+/// own where none is given. 1 where no point is in front of the camera.
 double variance_ratio(const std::vector<PointMeasurement>& measured, const SE3& world_from_camera,
                       std::optional<double> ray_sigma = std::nullopt);
 

@@ -59,6 +59,14 @@ TEST(FeatureNoise, IsThatOfTheSettingsUntilFramesTellAndNeverLess) {
   EXPECT_EQ(learned(0.3 * set_sigma, 40), 1.0);
 }
 
+TEST(FeatureNoise, SurvivesPosesThatSeeNothing) {
+  const SE3 beyond(SO3(), {0.0, 0.0, 10.0});
+  EXPECT_EQ(variance_ratio(points_seen(set_sigma, set_sigma, 1), beyond), 1.0);
+  FeatureNoise noise;
+  for (int k = 0; k < 10; ++k) noise.learn(std::nan(""));
+  EXPECT_EQ(noise.factor(), 1.0);
+}
+
 TEST(FeatureNoise, IsBounded) { EXPECT_EQ(learned(100.0 * set_sigma, 40), 4.0); }
 
 TEST(FeatureNoise, ForgetsWhatWasLongAgo) {
