@@ -130,7 +130,7 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
 }
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all. What is found where the map has
-/// it already is no other house: both alignments may be twice as far apart, as they are where one view is much nearer.
+/// it already is no other house: both alignments may differ by twice as much, as they do where one view is much nearer.
 ConstraintSearch::Limits ConstraintSearch::limits_for(const Candidate& candidate, const Sim3& found) const {
   constexpr double as_predicted = 0.05, confirmed_error = 4.0;
   if (candidate.kind == ConstraintKind::proximity) return {0.0, options_.max_reciprocal_error};

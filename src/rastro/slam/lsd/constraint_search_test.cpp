@@ -72,7 +72,7 @@ TEST_F(ConstraintSearchTest, ALoopThatMovesTheMapNeedsMoreSupport) {
   EXPECT_FALSE(loops_of(ConstraintSearch(options_, sensor_, moved, nullptr).find_revisited(last)).empty());
 }
 
-/// Both alignments are further apart than they may be elsewhere.
+/// Both alignments differ by more than they may elsewhere.
 TEST_F(ConstraintSearchTest, ALoopThatTheMapConfirmsMayAgreeLessWithItsReverse) {
   const SemiDenseGraph right = graph_with(SE3()), moved = graph_with(SE3(SO3(), {0.0, 0.0, 0.25}));
   const auto finds = [&](const SemiDenseGraph& graph) {
