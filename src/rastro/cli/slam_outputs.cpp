@@ -120,8 +120,8 @@ constexpr MapImageFile map_image_files[] = {
 struct TookTooLong {};
 
 /// A quarter of what is allowed, or half of what is left beside the map and the program: its points and their image
-/// come on top. By the map's count, not by what is resident, which differs from run to run: the same run gives the same
-/// cloud.
+/// come on top; the method is gone. By the map's count, not by what is resident, which differs from run to run: the
+/// same run gives the same cloud.
 std::size_t bytes_for_cloud(std::size_t max_memory_bytes, std::size_t map_bytes) {
   constexpr std::size_t program_bytes = std::size_t{96} << 20;
   const std::size_t held = std::min(max_memory_bytes, map_bytes + program_bytes);
@@ -135,7 +135,8 @@ std::optional<PointCloud> cloud_of(const Map& map, const SlamContext& context, c
   CloudOptions options = cloud_options_for(map);
   if (context.max_memory_bytes > 0) {
     return_freed_memory();
-    keep_within(bytes_for_cloud(context.max_memory_bytes, result.memory.map.bytes), map, options);
+    keep_within(bytes_for_cloud(context.max_memory_bytes, result.memory.map.bytes - result.memory.map.passing_bytes),
+                map, options);
   }
   const Stopwatch watch;
   try {

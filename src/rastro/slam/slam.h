@@ -107,8 +107,9 @@ struct FeatureObservation {
 /// Memory of the map, by the method's own count: the same in every run.
 struct MapMemory {
   std::size_t bytes = 0;
-  std::size_t budget_bytes = 0;  ///< Budget that the method plans with; 0: none.
-  std::string measures;          ///< Taken to stay within the budget; empty: none.
+  std::size_t budget_bytes = 0;   ///< Budget that the method plans with; 0: none.
+  std::string measures;           ///< Taken to stay within the budget; empty: none.
+  std::size_t passing_bytes = 0;  ///< Of `bytes`, what is gone when the method is: no part of its map.
 };
 
 /// A method that estimates poses and a map from frames, METHODS 3 to 8. Frames come in the order of the recording.

@@ -43,6 +43,8 @@ class LoopSearch {
 
   /// In memory, of what places are recognized by.
   virtual std::size_t bytes() const { return 0; }
+  /// Of these, what stays when all locations that can are in long-term memory.
+  virtual std::size_t lasting_bytes() const { return bytes(); }
   /// Features that left memory can be read again: they are in the map, with their words.
   virtual bool has_long_term_memory() const { return false; }
   /// The visual words of the newest keyframe's first features, one each.

@@ -137,7 +137,7 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
   RASTRO_CHECK(order.id == graph_.size(), "keyframes come in their order");
   MapRevision revision;
   store_continued();
-  ImageFeatures keyframe = features_.extract(order.frame, budget_.share());
+  ImageFeatures keyframe = features_.extract(order.frame, feature_share());
   keyframe.id = order.id;
   keep(order, std::move(keyframe));
   if (order.constraint) add_edge(*order.constraint, revision);
@@ -172,7 +172,7 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   auto kept = std::make_shared<const ImageFeatures>(std::move(keyframe));
   const Frame shown = masked(order.frame);
   depths_.add(order.id, shown.depth);
-  bytes_ += bytes_of(*kept);
+  feature_bytes_ += bytes_of(*kept);
   graph_.add(kept, pose, Matrix6d::Zero());
   keep_images(order.id, pack_images(shown));
 }
@@ -181,7 +181,7 @@ void Mapper::keep_images(KeyframeId id, PackedImages images) {
   if (archive_ != nullptr) {
     archive_->add_images(id, std::move(images));
   } else {
-    bytes_ += images.bytes();
+    image_bytes_ += images.bytes();
     in_memory_->add(id, std::move(images));
   }
 }
@@ -236,7 +236,7 @@ void Mapper::store_signature(std::int64_t id, const Signature& signature) {
 void Mapper::retrieve(std::int64_t id, MapRevision& revision) {
   if (!signatures_ || graph_.keyframe(id).features.size() > 0) return;
   auto image = with_id(*signatures_->read(id).image, id);
-  bytes_ += bytes_of(*image) - bytes_of(graph_.keyframe(id));
+  feature_bytes_ += bytes_of(*image) - bytes_of(graph_.keyframe(id));
   if (image->features.size() > 0) --given_up_;
   graph_.restore_features(image);
   revision.retrieved.push_back(std::move(image));
@@ -288,15 +288,28 @@ std::size_t Mapper::map_bytes() const {
       2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)) + sizeof(Keyframe);
   constexpr std::size_t a_constraint = 3 * sizeof(Constraint) + pose_graph_bytes_per_edge;
   constexpr std::size_t a_frame = 3 * sizeof(MapFrame);
-  return bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
+  return feature_bytes_ + image_bytes_ + search_->bytes() + static_cast<std::size_t>(graph_.size()) * a_keyframe +
          graph_.edges().size() * a_constraint + frames_ * a_frame;
 }
 
+/// Without what can move out to long-term memory.
+std::size_t Mapper::lasting_bytes() const {
+  if (!recognizes_places()) return map_bytes();
+  return map_bytes() - feature_bytes_ - search_->bytes() + search_->lasting_bytes();
+}
+
+/// Of what the mapper is alone to hold.
+std::size_t Mapper::passing_bytes() const {
+  return search_->bytes() + graph_.edges().size() * pose_graph_bytes_per_edge;
+}
+
+/// Places are recognized by as many features as ever: they can move out.
+double Mapper::feature_share() const { return recognizes_places() ? 1.0 : budget_.share(); }
+
 std::string Mapper::measures() const {
   std::string text;
-  if (budget_.stage() > 0)
-    text = fmt::format("keyframes {:g} times as sparse, {:g} % of the features", budget_.spacing(),
-                       100.0 * budget_.share());
+  if (budget_.stage() > 0) text = fmt::format("keyframes {:g} times as sparse", budget_.spacing());
+  if (feature_share() < 1.0) text += fmt::format(", {:g} % of the features", 100.0 * feature_share());
   if (given_up_ == 0) return text;
   if (!text.empty()) text += ", ";
   return text + fmt::format("features of {} keyframes {}", given_up_,
@@ -304,8 +317,7 @@ std::string Mapper::measures() const {
 }
 
 void Mapper::stay_within_budget(MapRevision& revision) {
-  const bool sparser = budget_.limited() && !search_->has_long_term_memory();
-  if (sparser && budget_.note(map_bytes())) revision.events.push_back(budget_.event(map_bytes(), measures()));
+  if (budget_.note(lasting_bytes())) revision.events.push_back(budget_.event(map_bytes(), measures()));
   const auto fill = [this] {
     return budget_.limited() ? static_cast<double>(map_bytes()) / static_cast<double>(budget_.bytes()) : 0.0;
   };
@@ -322,9 +334,9 @@ void Mapper::stay_within_budget(MapRevision& revision) {
 void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
   if (id < graph_.frozen()) return;
   if (graph_.keyframe(id).features.size() == 0) return;
-  bytes_ -= bytes_of(graph_.keyframe(id));
+  feature_bytes_ -= bytes_of(graph_.keyframe(id));
   graph_.forget_features(id);
-  bytes_ += bytes_of(graph_.keyframe(id));
+  feature_bytes_ += bytes_of(graph_.keyframe(id));
   revision.forgotten.push_back(id);
   ++given_up_;
 }
@@ -335,7 +347,7 @@ void Mapper::revise(MapRevision& revision) {
 }
 
 MappingState Mapper::state() const {
-  return {{map_bytes(), budget_.bytes(), measures()}, budget_.spacing(), graph_.variance_factor()};
+  return {{map_bytes(), budget_.bytes(), measures(), passing_bytes()}, budget_.spacing(), graph_.variance_factor()};
 }
 
 /// No two keyframes are compared any more: the optimization gets the room of what that needed.

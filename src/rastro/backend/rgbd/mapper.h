@@ -112,6 +112,9 @@ class Mapper {
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
   void add_edge(const Constraint& edge, MapRevision& revision);
   std::size_t map_bytes() const;
+  std::size_t lasting_bytes() const;
+  std::size_t passing_bytes() const;
+  double feature_share() const;
   std::string measures() const;
   void stay_within_budget(MapRevision& revision);
   void give_up_features(std::int64_t id, MapRevision& revision);
@@ -128,10 +131,10 @@ class Mapper {
   const std::atomic<bool>* stop_;  ///< May be null.
   bool maps_;                      ///< False: the given map is only read.
   MapBudget budget_;
-  std::size_t bytes_ = 0;                 ///< Of features, and of images in memory.
-  std::size_t frames_ = 0;                ///< As in the last input.
-  std::int64_t given_up_ = 0;             ///< Keyframes without their features.
-  std::shared_ptr<const Map> continued_;  ///< Until it is in the archive.
+  std::size_t feature_bytes_ = 0, image_bytes_ = 0;  ///< In memory.
+  std::size_t frames_ = 0;                           ///< As in the last input.
+  std::int64_t given_up_ = 0;                        ///< Keyframes without their features.
+  std::shared_ptr<const Map> continued_;             ///< Until it is in the archive.
   std::shared_ptr<MemoryImages> in_memory_;
   std::shared_ptr<const ImageStore> images_;
   std::shared_ptr<MemorySignatures> signatures_in_memory_;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -86,6 +87,43 @@ TEST(Mapper, FeaturesOfAGivenMapStayInMemory) {
 TEST(Mapper, TheMemoryIncludesWhatPlacesAreRecognizedBy) {
   const Mapper mapper({}, test_room::camera(), {}, std::make_unique<ForgettingSearch>());
   EXPECT_EQ(mapper.state().memory.bytes, 12'345U);
+}
+
+/// With long-term memory, of which a part has to stay in RAM.
+class LastingSearch : public ForgettingSearch {
+ public:
+  explicit LastingSearch(std::size_t lasting) : ForgettingSearch(true), lasting_(lasting) {}
+  std::size_t bytes() const override { return 9'000'000; }
+  std::size_t lasting_bytes() const override { return lasting_; }
+
+ private:
+  std::size_t lasting_;
+};
+
+TEST(Mapper, KeyframesGetSparserWhereWhatCannotMoveOutFillsTheBudget) {
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.1);
+  const auto second_of = [&](std::size_t lasting) {
+    SlamContext context;
+    context.map_memory_bytes = 10'000'000;
+    Mapper mapper({}, test_room::camera(), context, std::make_unique<LastingSearch>(lasting));
+    mapper.add({0, room_frame(view, 0), view, 0, {}, 1});
+    return mapper.add({1, room_frame(view, 7), view, 0, edge_of(0, 1, SE3()), 8});
+  };
+  const MapRevision moves_out = second_of(1'000'000), stays = second_of(6'000'000);
+  EXPECT_EQ(moves_out.state.spacing, 1.0);
+  EXPECT_EQ(moves_out.state.memory.measures.find("sparse"), std::string::npos);
+  EXPECT_EQ(stays.state.spacing, 1.5);
+  EXPECT_EQ(stays.state.memory.measures.find("keyframes 1.5 times as sparse"), 0U) << stays.state.memory.measures;
+  EXPECT_EQ(stays.keyframe->features.size(), moves_out.keyframe->features.size()) << "they can move out";
+}
+
+TEST(Mapper, WhatIsGoneWithTheMethodIsTheSearchAndTheOptimization) {
+  Mapper mapper({}, test_room::camera(), {}, std::make_unique<ForgettingSearch>());
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.1);
+  mapper.add({0, room_frame(view, 0), view, 0, {}, 1});
+  EXPECT_EQ(mapper.state().memory.passing_bytes, 12'345U);
+  const MapRevision second = mapper.add({1, room_frame(view, 7), view, 0, edge_of(0, 1, SE3()), 8});
+  EXPECT_EQ(second.state.memory.passing_bytes, 12'345U + second.new_edges.size() * pose_graph_bytes_per_edge);
 }
 
 TEST(Mapper, FeaturesThatCameBackAreNoLongerInLongTermMemoryAlone) {

@@ -25,6 +25,9 @@ constexpr double work_of_location_ms = 3e-4;    // by the Bayes filter
 constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
 
 /// Without the direct index, which only matching of features needs.
+/// What a container adds to an element, with its allocation.
+constexpr std::size_t bytes_of_node = 40;
+
 BagOfWords bag_of(const ImageFeatures& image) {
   BagOfWords bag = standard_vocabulary()->words_of(image.features.descriptors);
   bag.nodes = {};
@@ -265,19 +268,23 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
   return memory_.at(*least).keyframes;
 }
 
-/// Sizes of the parts; `node`: what a container adds to an element, with its allocation. Vectors that grow have half as
-/// much again unused.
+/// Sizes of the parts. Vectors that grow have half as much again unused.
 std::size_t AppearanceSearch::bytes() const {
-  constexpr std::size_t node = 40;
   // In a bucket of the vocabulary, by its id, and in the index with one or two holders.
   constexpr std::size_t a_word = (sizeof(Descriptor) + sizeof(std::int64_t) + sizeof(int)) * 3 / 2 +
-                                 (node + 2 * sizeof(std::int64_t)) + (node + sizeof(std::vector<int>)) + node;
+                                 (bytes_of_node + 2 * sizeof(std::int64_t)) +
+                                 (bytes_of_node + sizeof(std::vector<int>)) + bytes_of_node;
+  const auto words = static_cast<std::size_t>(options_.words_per_image);
+  return lasting_bytes() + vocabulary_.size() * a_word + index_.size() * words * sizeof(std::int64_t);
+}
+
+/// Of each location its words, its bag of words of the standard vocabulary, and its place in the inverted index of
+/// these.
+std::size_t AppearanceSearch::lasting_bytes() const {
   const auto words = static_cast<std::size_t>(options_.words_per_image),
              features = static_cast<std::size_t>(options_.rgbd.keyframe_features);
-  // Its bag of words of the standard vocabulary, and its place in the inverted index of these.
-  const std::size_t in_places = features * (sizeof(std::pair<std::uint32_t, float>) * 5 / 2),
-                    a_location = sizeof(Location) + 4 * node + words * sizeof(std::int64_t) + in_places;
-  return vocabulary_.size() * a_word + memory_.size() * a_location + index_.size() * words * sizeof(std::int64_t);
+  const std::size_t in_places = features * (sizeof(std::pair<std::uint32_t, float>) * 5 / 2);
+  return memory_.size() * (sizeof(Location) + 4 * bytes_of_node + words * sizeof(std::int64_t) + in_places);
 }
 
 void AppearanceSearch::know(const Signature& signature, double weight) {

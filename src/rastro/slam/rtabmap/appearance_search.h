@@ -37,6 +37,7 @@ class AppearanceSearch : public LoopSearch {
                   std::span<const Constraint> accepted) override;
   std::vector<std::int64_t> transfer(const KeyframeGraph& graph, double fill) override;
   std::size_t bytes() const override;
+  std::size_t lasting_bytes() const override;
   bool has_long_term_memory() const override { return true; }
   void know(const Signature& signature, double weight) override;
   void know_constraints(std::span<const Constraint> constraints) override;

@@ -253,8 +253,11 @@ TEST(AppearanceSearch, WordsOfWorkingMemoryAndLocationsTakeMemory) {
   walk.visit_all(0, 19);
   const std::size_t before = walk.search().bytes();
   EXPECT_GT(before, 20U * 16U * static_cast<std::size_t>(options.rgbd.keyframe_features));
+  const std::size_t lasting = walk.search().lasting_bytes();
+  EXPECT_LT(lasting, before);
   walk.forget(1.0);
   EXPECT_LT(walk.search().bytes(), before);
+  EXPECT_EQ(walk.search().lasting_bytes(), lasting) << "no location is lost";
 }
 
 /// Else working memory would shrink until nothing is recognized in it, and no match would be spared.
