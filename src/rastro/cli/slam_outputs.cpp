@@ -263,6 +263,7 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
     outputs.files = files.names();
   }
   end.result.result_sha256 = files.finish();
+  end.result.memory.peak_mb = std::max(end.result.memory.peak_mb, peak_resident_memory_mb());
   return outputs;
 }
 
