@@ -502,21 +502,20 @@ interrupt() {
   [[ $(frames_of run) == "$frames" && $(wc -l <"$here/run/tracks.jsonl") == "$frames" ]] || fail "frames were lost"
 }
 
-# SIGKILL ends a write of the system's at a page: nothing of ours can prevent that, and readers omit such a frame.
-cut_by_the_system() { (($(stat -c %s "$1") % 4096 == 0)); }
-
 kill_() {
   long_recording "$here/data"
   "$rastro" track "$here/data" --out "$here/run" >"$here/stdout" 2>"$here/stderr" &
   local process=$!
   wait_for_frames "$here/run" $process
+  # Not within a write: the system ends that at a page when the process is killed.
+  kill -STOP $process
+  until grep -q '^State:.*[TZ]' "/proc/$process/status"; do read -r -t 0.01 <> <(:) || true; done
   kill -KILL $process
   wait $process 2>/dev/null || true
-  [[ -z $(tail -c 1 "$here/run/tracks.jsonl") ]] || cut_by_the_system "$here/run/tracks.jsonl" ||
-    fail "tracks.jsonl ends within a frame"
+  [[ -z $(tail -c 1 "$here/run/tracks.jsonl") ]] || fail "tracks.jsonl ends within a frame"
   # The last frame of the table of rows has as many rows as it says.
   tail -n +2 "$here/run/tracks.csv" | awk -F, '{ if ($1 != frame) { rows = 0; frame = $1 } ++rows; wanted = $11 } END { exit !(rows == wanted && NF == 14) }' ||
-    cut_by_the_system "$here/run/tracks.csv" || fail "tracks.csv ends within a frame"
+    fail "tracks.csv ends within a frame"
   [[ $(frames_of run) -ge 5 ]] || fail "frames were lost"
 }
 

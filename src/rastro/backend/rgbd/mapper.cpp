@@ -298,7 +298,7 @@ std::size_t Mapper::lasting_bytes() const {
   return map_bytes() - feature_bytes_ - search_->bytes() + search_->lasting_bytes();
 }
 
-/// Of what the mapper is alone to hold.
+/// Of these, what is gone with the mapper: no part of its map.
 std::size_t Mapper::passing_bytes() const {
   return search_->bytes() + graph_.edges().size() * pose_graph_bytes_per_edge;
 }

@@ -24,10 +24,10 @@ constexpr double work_of_comparison_ms = 2e-6;  // of two descriptors
 constexpr double work_of_location_ms = 3e-4;    // by the Bayes filter
 constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
 
-/// Without the direct index, which only matching of features needs.
 /// What a container adds to an element, with its allocation.
 constexpr std::size_t bytes_of_node = 40;
 
+/// Without the direct index, which only matching of features needs.
 BagOfWords bag_of(const ImageFeatures& image) {
   BagOfWords bag = standard_vocabulary()->words_of(image.features.descriptors);
   bag.nodes = {};
