@@ -46,11 +46,18 @@ float nearest_depth(const DepthImage& depth, int left, int top, int coarse_px) {
   return nearest;
 }
 
-float mean(const GrayImage& image, int left, int top, int coarse_px) {
+/// Of what a coarse pixel averages, as much as decoding a JPEG does by itself.
+int shrink_of(int coarse_px) {
+  for (const int shrink : {8, 4, 2})
+    if (coarse_px % shrink == 0) return shrink;
+  return 1;
+}
+
+float mean(const GrayImage& image, int left, int top, int across_px) {
   float sum = 0.0F;
-  for (int y = top; y < top + coarse_px; ++y)
-    for (int x = left; x < left + coarse_px; ++x) sum += static_cast<float>(image.at(x, y));
-  return sum / static_cast<float>(coarse_px * coarse_px);
+  for (int y = top; y < top + across_px; ++y)
+    for (int x = left; x < left + across_px; ++x) sum += static_cast<float>(image.at(x, y));
+  return sum / static_cast<float>(across_px * across_px);
 }
 
 }  // namespace
@@ -109,21 +116,23 @@ AppearanceCheck::AppearanceCheck(const Camera& camera, const DepthNoise& noise)
     }
 }
 
-KeyframeAppearance AppearanceCheck::appearance_of(const UnpackedImages& images) const {
+KeyframeAppearance AppearanceCheck::appearance_of(const PackedImages& images, const std::string& where) const {
+  const int shrink = shrink_of(coarse_px_), gray_px = coarse_px_ / shrink;
+  const GrayImage gray = unpack_gray(images, shrink, where);
+  const DepthImage depth = unpack_depth(images, where);
   KeyframeAppearance result{Image<float>(camera_.width, camera_.height), DepthImage(camera_.width, camera_.height)};
-  const GrayImage gray = gray_from_color(images.color);
-  const int width = std::min(camera_.width, std::min(gray.width(), images.depth.width()) / coarse_px_);
-  const int height = std::min(camera_.height, std::min(gray.height(), images.depth.height()) / coarse_px_);
+  const int width = std::min({camera_.width, gray.width() / gray_px, depth.width() / coarse_px_});
+  const int height = std::min({camera_.height, gray.height() / gray_px, depth.height() / coarse_px_});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      result.brightness.at(x, y) = mean(gray, coarse_px_ * x, coarse_px_ * y, coarse_px_);
-      result.depth.at(x, y) = nearest_depth(images.depth, coarse_px_ * x, coarse_px_ * y, coarse_px_);
+      result.brightness.at(x, y) = mean(gray, gray_px * x, gray_px * y, gray_px);
+      result.depth.at(x, y) = nearest_depth(depth, coarse_px_ * x, coarse_px_ * y, coarse_px_);
     }
   return result;
 }
 
 KeyframeAppearance AppearanceCheck::appearance_of(const Frame& frame) const {
-  return appearance_of(unpack_images(pack_images(frame), "frame"));
+  return appearance_of(pack_images(frame), "frame");
 }
 
 /// False where a part of it is outside the other view, or hidden there.
@@ -175,8 +184,7 @@ AppearanceAgreement AppearanceCheck::compare(const KeyframeAppearance& a, const 
 
 std::shared_ptr<const KeyframeAppearance> AppearanceStore::appearance(std::int64_t keyframe) {
   if (auto recent = recent_.find(keyframe)) return recent;
-  const UnpackedImages images = unpack_images(images_->read(keyframe), fmt::format("keyframe {}", keyframe));
-  return recent_.add(keyframe, check_.appearance_of(images));
+  return recent_.add(keyframe, check_.appearance_of(images_->read(keyframe), fmt::format("keyframe {}", keyframe)));
 }
 
 }  // namespace rastro

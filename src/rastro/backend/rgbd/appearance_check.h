@@ -40,8 +40,9 @@ struct AppearanceAgreement {
 class AppearanceCheck {
  public:
   explicit AppearanceCheck(const Camera& camera, const DepthNoise& noise = {});
-  KeyframeAppearance appearance_of(const UnpackedImages& images) const;
-  /// As if the frame were packed and unpacked first.
+  /// Error (naming `where`) for damaged images.
+  KeyframeAppearance appearance_of(const PackedImages& images, const std::string& where) const;
+  /// As if the frame were packed first.
   KeyframeAppearance appearance_of(const Frame& frame) const;
   AppearanceAgreement compare(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b) const;
   /// Of one keyframe's.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -29,6 +30,17 @@ bool closes_enough(const std::vector<Constraint>& accepted) {
   constexpr std::ptrdiff_t enough = 3;
   return std::count_if(accepted.begin(), accepted.end(),
                        [](const Constraint& edge) { return edge.to - edge.from > most_tracked_steps; }) >= enough;
+}
+
+/// Features and surfaces fit, and yet it is not there.
+bool is_of_another_place(Rejection rejection) {
+  return rejection == Rejection::contradicts_graph || rejection == Rejection::looks_different;
+}
+
+/// What was seen right before or after shows the same place.
+bool is_beside(std::int64_t id, const std::vector<std::int64_t>& others) {
+  constexpr std::int64_t reach = 5;
+  return std::any_of(others.begin(), others.end(), [id](std::int64_t other) { return std::abs(other - id) <= reach; });
 }
 
 /// Depth where the mask allows it.
@@ -197,12 +209,14 @@ std::vector<Constraint> Mapper::compare(std::int64_t id, LoopSearch::Candidates&
   // Where places are recognized, the next ones will connect what this one leaves out.
   for (const std::int64_t other : candidates.nearby)
     if (!(recognizes_places() && closes_enough(accepted))) take(verify(other, id), accepted);
-  std::vector<std::int64_t> compared;
+  std::vector<std::int64_t> compared, look_alikes;
   for (const std::int64_t other : candidates.places) {
-    if (closes_enough(accepted) && kind_between(other, id) != ConstraintKind::merge) continue;
+    const bool may_be_left = kind_between(other, id) != ConstraintKind::merge;
+    if (may_be_left && (closes_enough(accepted) || is_beside(other, look_alikes))) continue;
     compared.push_back(other);
     retrieve(other, revision);
     const Rejection rejection = take(verify(other, id), accepted);
+    if (is_of_another_place(rejection)) look_alikes.push_back(other);
     if (rejection != Rejection::none)
       revision.events.push_back({"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(rejection))});
   }

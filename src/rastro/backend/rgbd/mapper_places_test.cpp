@@ -16,12 +16,13 @@ using testing::edge_of;
 using testing::looking;
 using testing::room_frame;
 
-/// For one keyframe the first ones look like it; all others are compared with nothing. Notes what it is told of.
+/// For one keyframe some look like it; all others are compared with nothing. Notes what it is told of.
 class OldPlaces : public LoopSearch {
  public:
-  OldPlaces(std::int64_t asked, std::vector<std::int64_t>& compared) : asked_(asked), compared_(compared) {}
+  OldPlaces(std::int64_t asked, std::vector<std::int64_t>& compared, std::vector<std::int64_t> alike = {0, 1, 2, 3, 4})
+      : asked_(asked), compared_(compared), alike_(std::move(alike)) {}
   Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
-    return {{}, id == asked_ ? std::vector<std::int64_t>{0, 1, 2, 3, 4} : std::vector<std::int64_t>{}, {}};
+    return {{}, id == asked_ ? alike_ : std::vector<std::int64_t>{}, {}};
   }
   void on_matched(const KeyframeGraph&, std::int64_t id, const Candidates& candidates,
                   std::span<const Constraint>) override {
@@ -35,6 +36,7 @@ class OldPlaces : public LoopSearch {
  private:
   std::int64_t asked_;
   std::vector<std::int64_t>& compared_;
+  std::vector<std::int64_t> alike_;
 };
 
 MapRevision add_in_place(Mapper& mapper, std::int64_t id, int submap) {
@@ -54,6 +56,26 @@ TEST(Mapper, ThreeEarlierPlacesThatFitAreEnough) {
     EXPECT_EQ(compared.size(), expected) << last;
     EXPECT_EQ(revision.new_edges.size(), 1U + expected);
   }
+}
+
+/// The camera has gone 6 m away from ten keyframes of one view, and sees the same again.
+TEST(Mapper, WhatIsBesideAPlaceThatOnlyLooksAlikeIsNotComparedToo) {
+  constexpr std::int64_t last = 52;
+  std::vector<std::int64_t> compared;
+  Mapper mapper({}, test_room::camera(), {},
+                std::make_unique<OldPlaces>(last, compared, std::vector<std::int64_t>{1, 0, 3, 6, 8, 9}));
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.15);
+  MapRevision revision;
+  for (std::int64_t id = 0; id <= last; ++id) {
+    std::optional<Constraint> tracked;
+    const SE3 moved(SO3(), {id == 10 ? 6.0 : 0.0, 0.0, 0.0});
+    if (id > 0) tracked = edge_of(id - 1, id, moved, ConstraintKind::odometry, 0.01, 0.005);
+    const bool same = id < 10 || id == last;
+    const Frame frame = same ? room_frame(view, 10 * id) : testing::unknown_frame(static_cast<std::uint64_t>(id));
+    revision = mapper.add({id, frame, view, 0, tracked});
+  }
+  EXPECT_EQ(revision.new_edges.size(), 1U);
+  EXPECT_EQ(compared, (std::vector<std::int64_t>{1, 8})) << "0, 3 and 6 are beside 1, 9 is beside 8";
 }
 
 TEST(Mapper, AnEdgeBetweenPlacesRevisitedIsALinkBetweenThem) {

@@ -5,25 +5,12 @@
 #include <cmath>
 #include <limits>
 
-namespace rastro {
+#include "rastro/map/images/packed_depth.h"
 
+namespace rastro {
 namespace {
 
 constexpr double block_middle = 0.5 * (surface_block_px - 1);
-
-/// As decoded from a packed image.
-DepthImage packed_and_back(const DepthImage& depth) {
-  DepthImage result(depth.width(), depth.height());
-  for (int y = 0; y < depth.height(); ++y) {
-    const float* from = depth.row(y);
-    float* to = result.row(y);
-    for (int x = 0; x < depth.width(); ++x) {
-      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_meter);
-      to[x] = units > 0.0 && units <= 65535.0 ? static_cast<float>(units / packed_depth_units_per_meter) : 0.0F;
-    }
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -45,7 +32,7 @@ SurfaceCheck::SurfaceCheck(const Camera& camera, const SurfaceOptions& options)
 KeyframeSurface SurfaceCheck::surface_of(const DepthImage& depth) const {
   KeyframeSurface surface;
   if (depth.width() != camera_.width || depth.height() != camera_.height) return surface;
-  surface.blocks = depth_blocks(packed_and_back(depth), {}, options_);
+  surface.blocks = depth_blocks(rounded_as_packed(depth), {}, options_);
   surface.planes = icp_.planes(surface.blocks);
   return surface;
 }

@@ -8,6 +8,7 @@
 
 #include "rastro/backend/rgbd/keyframe_matcher.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/map/images/packed_depth.h"
 
 namespace rastro {
 namespace {

@@ -138,6 +138,12 @@ Database Database::create(const std::filesystem::path& file) {
   return database;
 }
 
+void Database::checkpoint(const std::filesystem::path& file) {
+  Database database(file);
+  database.connect(uri_of(file.string(), false), SQLITE_OPEN_READWRITE | SQLITE_OPEN_URI);
+  database.run("PRAGMA wal_checkpoint(PASSIVE)");
+}
+
 Database::Database(Database&& other) noexcept { *this = std::move(other); }
 
 Database& Database::operator=(Database&& other) noexcept {
@@ -145,6 +151,7 @@ Database& Database::operator=(Database&& other) noexcept {
   std::swap(version_, other.version_);
   std::swap(tables_, other.tables_);
   std::swap(connection_, other.connection_);
+  std::swap(bytes_put_, other.bytes_put_);
   std::swap(put_, other.put_);
   return *this;
 }
@@ -216,6 +223,7 @@ void Database::put(const std::string& table, std::int64_t id, std::string_view b
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
   if (code != SQLITE_DONE) fail(code);
+  bytes_put_ += body.size();
 }
 
 void Database::remove(const std::string& table, std::int64_t id) {

@@ -17,9 +17,10 @@ struct sqlite3_stmt;
 namespace rastro {
 
 /// The application id "RSTR" of map files among SQLite files, and the newest version of their content: 1 maps of a
-/// depth camera, 2 maps of landmarks, 3 maps with layers.
+/// depth camera, 2 maps of landmarks, 3 maps with layers, 4 the same with depth
+/// images as pack_depth() makes them.
 constexpr std::uint32_t map_file_id = 0x52535452;
-constexpr std::uint32_t map_file_version = 3;
+constexpr std::uint32_t map_file_version = 4;
 
 /// The tables that every file of a version has, in the order of their creation.
 std::span<const char* const> tables_of_version(std::uint32_t version);
@@ -37,6 +38,8 @@ class Database {
   static Database open(const std::filesystem::path& file);
   /// Creates a file with empty tables; replaces an existing one.
   static Database create(const std::filesystem::path& file);
+  /// Moves what is committed from a file's log into the file itself, while others read and write.
+  static void checkpoint(const std::filesystem::path& file);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
   ~Database();
@@ -52,6 +55,7 @@ class Database {
   void put(const std::string& table, std::int64_t id, std::string_view body);
   void remove(const std::string& table, std::int64_t id);
   void clear(const std::string& table);
+  std::size_t bytes_put() const { return bytes_put_; }  ///< By all calls of put().
 
  private:
   friend class RowReader;
@@ -65,6 +69,7 @@ class Database {
   std::uint32_t version_ = map_file_version;
   std::vector<std::string> tables_;
   sqlite3* connection_ = nullptr;
+  std::size_t bytes_put_ = 0;
   std::map<std::string, sqlite3_stmt*> put_;  ///< By table.
 };
 

@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto write_every = std::chrono::milliseconds(500);
 constexpr auto commit_rows_every = std::chrono::milliseconds(400);
 constexpr auto ahead = std::chrono::milliseconds(100);  ///< Time to build a map.
+constexpr std::size_t longest_log = 16 << 20;           ///< Bytes put before a checkpoint.
 constexpr int least_rest = 9;  ///< Pause in units of the writing time: uses a tenth of one core.
 
 /// Images in the growing file, later in the finished one. Uncommitted ones are visible only through the same
@@ -117,8 +118,8 @@ class GrowingMapFile::State {
   Database& open() {
     if (database_->database) return *database_->database;
     Database& database = database_->database.emplace(Database::create(file_));
-    // The log is append-only and safe against a kill in the middle; 16 MB of it are kept before a checkpoint.
-    database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=4000; BEGIN");
+    // The log is append-only and safe against a kill in the middle.
+    database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0; BEGIN");
     return database;
   }
 
@@ -136,6 +137,19 @@ class GrowingMapFile::State {
       write_changes(*map, with_recording(map->sessions), LayersWritten::without_those_that_stay_in_file, written_,
                     database);
     database.run("COMMIT; BEGIN");
+  }
+
+  /// A long log goes into the file while others read and write, which takes a multiple of a frame's time; then what
+  /// came since, as nobody else writes: only then the log begins anew.
+  void shorten_log() {
+    std::unique_lock lock(database_->mutex);
+    Database& database = open();
+    if (database.bytes_put() < in_file_ + longest_log) return;
+    in_file_ = database.bytes_put();
+    lock.unlock();
+    Database::checkpoint(file_);
+    lock.lock();
+    database.run("COMMIT; PRAGMA wal_checkpoint(PASSIVE); BEGIN");
   }
 
   /// A new keyframe waits only for the rest after the last write, so that a killed run has lost none but the last.
@@ -163,6 +177,7 @@ class GrowingMapFile::State {
     std::exception_ptr failure;
     try {
       write(map.get());
+      shorten_log();
     } catch (...) {
       failure = std::current_exception();
     }
@@ -194,6 +209,7 @@ class GrowingMapFile::State {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
+  std::size_t in_file_ = 0;  ///< Of the bytes put, those at the last checkpoint; only the writer's.
   bool rows_added_ = false, writing_ = false, stopping_ = false, dropping_ = false;
   Clock::time_point rested_{};      ///< Earliest time of the next write ...
   Clock::time_point next_{};        ///< ... and of one without new keyframes.

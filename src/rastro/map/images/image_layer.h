@@ -13,13 +13,11 @@ namespace rastro {
 /// The images of a depth camera, packed.
 struct PackedImages {
   std::vector<std::uint8_t> color;  ///< JPEG, three channels, or one where the camera is gray.
-  std::vector<std::uint8_t> depth;  ///< PNG, 16 bits, `packed_depth_units_per_meter`; 0 = no measurement.
+  std::vector<std::uint8_t> depth;  ///< As pack_depth() makes it; in maps before version 4 PNG of 16 bits.
 
   std::size_t bytes() const { return color.size() + depth.size(); }
   bool operator==(const PackedImages&) const = default;
 };
-
-constexpr double packed_depth_units_per_meter = 5000.0;
 
 /// The decoded images. A gray source gives a color image with three equal channels.
 struct UnpackedImages {

@@ -3,14 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/library_output.h"
 #include "rastro/image/image_header.h"
+#include "rastro/map/images/packed_depth.h"
 
 namespace rastro {
 namespace {
@@ -37,23 +39,6 @@ std::vector<std::uint8_t> packed_color(const Frame& frame) {
   return bytes;
 }
 
-std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
-  std::vector<std::uint8_t> bytes;
-  if (depth.empty()) return bytes;
-  cv::Mat image(depth.height(), depth.width(), CV_16U);
-  for (int y = 0; y < depth.height(); ++y) {
-    const float* from = depth.row(y);
-    auto* to = image.ptr<std::uint16_t>(y);
-    for (int x = 0; x < depth.width(); ++x) {
-      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_meter);
-      to[x] = units > 0.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
-    }
-  }
-  cv::imencode(".png", image, bytes,
-               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE});
-  return bytes;
-}
-
 cv::Mat decoded(const std::vector<std::uint8_t>& bytes, int flags) {
   if (bytes.empty() || !why_too_large(bytes).empty()) return {};
   const LibraryOutput output;
@@ -75,38 +60,40 @@ ColorImage unpacked_color(const cv::Mat& bgr) {
   return color;
 }
 
-DepthImage unpacked_depth(const cv::Mat& units) {
-  DepthImage depth(units.cols, units.rows);
-  for (int y = 0; y < units.rows; ++y) {
-    const auto* from = units.ptr<std::uint16_t>(y);
-    for (int x = 0; x < units.cols; ++x)
-      depth.at(x, y) = static_cast<float>(static_cast<double>(from[x]) / packed_depth_units_per_meter);
-  }
-  return depth;
-}
-
 Error damaged_images(const std::string& where) {
   return {"its images are damaged", where, "'rastro recover' saves what can be read"};
 }
 
 }  // namespace
 
-PackedImages pack_images(const Frame& frame) { return {packed_color(frame), packed_depth(frame.depth)}; }
+PackedImages pack_images(const Frame& frame) { return {packed_color(frame), pack_depth(frame.depth)}; }
 
 UnpackedImages unpack_images(const PackedImages& images, const std::string& where) {
   const cv::Mat bgr = decoded(images.color, cv::IMREAD_COLOR);
-  cv::Mat units = decoded(images.depth, cv::IMREAD_UNCHANGED);
-  if (images.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame without depth
-  if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
-    throw damaged_images(where);
-  return {unpacked_color(bgr), unpacked_depth(units)};
+  if (bgr.empty()) throw damaged_images(where);
+  // A frame without depth has none anywhere.
+  auto depth = images.depth.empty() ? DepthImage(bgr.cols, bgr.rows) : unpack_depth(images.depth);
+  if (!depth || depth->width() != bgr.cols || depth->height() != bgr.rows) throw damaged_images(where);
+  return {unpacked_color(bgr), std::move(*depth)};
+}
+
+GrayImage unpack_gray(const PackedImages& images, int shrink, const std::string& where) {
+  const int flags = shrink == 8   ? cv::IMREAD_REDUCED_GRAYSCALE_8
+                    : shrink == 4 ? cv::IMREAD_REDUCED_GRAYSCALE_4
+                    : shrink == 2 ? cv::IMREAD_REDUCED_GRAYSCALE_2
+                                  : cv::IMREAD_GRAYSCALE;
+  const cv::Mat pixels = decoded(images.color, flags);
+  if (pixels.empty()) throw damaged_images(where);
+  GrayImage gray(pixels.cols, pixels.rows);
+  for (int y = 0; y < gray.height(); ++y) std::copy_n(pixels.ptr(y), gray.width(), gray.row(y));
+  return gray;
 }
 
 DepthImage unpack_depth(const PackedImages& images, const std::string& where) {
   if (images.depth.empty()) return unpack_images(images, where).depth;
-  const cv::Mat units = decoded(images.depth, cv::IMREAD_UNCHANGED);
-  if (units.empty() || units.type() != CV_16UC1) throw damaged_images(where);
-  return unpacked_depth(units);
+  auto depth = unpack_depth(images.depth);
+  if (!depth) throw damaged_images(where);
+  return std::move(*depth);
 }
 
 }  // namespace rastro

@@ -63,6 +63,24 @@ TEST(PackImages, PackedTwiceItIsTheSame) {
   EXPECT_EQ(once.bytes(), once.color.size() + once.depth.size());
 }
 
+TEST(PackImages, AShrunkGrayImageShowsTheMeansOfBlocks) {
+  const Frame frame = some_frame();
+  const PackedImages packed = pack_images(frame);
+  const GrayImage whole = gray_from_color(unpack_images(packed, "test").color);
+  for (const int shrink : {1, 2, 4, 8}) {
+    const GrayImage small = unpack_gray(packed, shrink, "test");
+    ASSERT_EQ(small.width(), 64 / shrink);
+    ASSERT_EQ(small.height(), 48 / shrink);
+    for (int y = 0; y < small.height(); ++y)
+      for (int x = 0; x < small.width(); ++x) {
+        double sum = 0.0;
+        for (int k = 0; k < shrink * shrink; ++k) sum += whole.at(shrink * x + k % shrink, shrink * y + k / shrink);
+        EXPECT_NEAR(small.at(x, y), sum / (shrink * shrink), 3.0) << shrink << ' ' << x << ' ' << y;
+      }
+  }
+  EXPECT_THROW(unpack_gray({{1, 2, 3}, packed.depth}, 4, "test"), Error);
+}
+
 TEST(PackImages, ColorsKeepTheirOrderAndGrayHasThreeEqualChannels) {
   Frame frame = some_frame();
   UnpackedImages back = unpack_images(pack_images(frame), "test");
