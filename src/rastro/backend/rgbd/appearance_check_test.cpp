@@ -20,8 +20,10 @@ Camera small_camera() {
 }
 
 /// A wall at 2 m, facing the camera; `seed` paints its right half, 1 its left one.
-UnpackedImages wall(std::uint64_t seed, float light = 1.0F) {
-  UnpackedImages images{{Image<std::uint8_t>(3 * width, height)}, DepthImage(width, height)};
+Frame wall(std::uint64_t seed, float light = 1.0F) {
+  Frame images;
+  images.color.rgb = Image<std::uint8_t>(3 * width, height);
+  images.depth = DepthImage(width, height);
   Random left(1), right(seed);
   for (int y = 0; y < height; y += 4)
     for (int x = 0; x < width; x += 4) {
@@ -36,7 +38,7 @@ UnpackedImages wall(std::uint64_t seed, float light = 1.0F) {
   return images;
 }
 
-AppearanceAgreement compare(const UnpackedImages& a, const UnpackedImages& b, const SE3& a_from_b = SE3()) {
+AppearanceAgreement compare(const Frame& a, const Frame& b, const SE3& a_from_b = SE3()) {
   const AppearanceCheck check(small_camera());
   return check.compare(check.appearance_of(a), check.appearance_of(b), a_from_b);
 }
@@ -65,8 +67,8 @@ TEST(AppearanceCheck, AnotherPoseOfTheSameWallContradicts) {
 }
 
 /// Columns and rows of blocks, each brighter or darker by a random part of its amplitude.
-UnpackedImages plaid(double of_columns, double of_rows) {
-  UnpackedImages images = wall(2);
+Frame plaid(double of_columns, double of_rows) {
+  Frame images = wall(2);
   Random random(4);
   std::vector<double> columns(width / 4), rows(height / 4);
   for (double& value : columns) value = random.uniform(-of_columns, of_columns);
@@ -105,7 +107,7 @@ TEST(AppearanceCheck, APatchCountsWhereAllOfItIsInTheOtherView) {
 }
 
 TEST(AppearanceCheck, DepthsThatDifferByTheirNoiseAreOneSurface) {
-  UnpackedImages noisy = wall(2);
+  Frame noisy = wall(2);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) noisy.depth.at(x, y) = 2.2F;
   const auto compared = [&](const DepthNoise& noise) {
@@ -120,7 +122,7 @@ TEST(AppearanceCheck, DepthsThatDifferByTheirNoiseAreOneSurface) {
 }
 
 TEST(AppearanceCheck, WhatIsHiddenOrWithoutTextureSaysNothing) {
-  UnpackedImages hidden = wall(2), plain = wall(2);
+  Frame hidden = wall(2), plain = wall(2);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       hidden.depth.at(x, y) = 1.0F;

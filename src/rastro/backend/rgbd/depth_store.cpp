@@ -14,7 +14,7 @@ void DepthStore::add(std::int64_t keyframe, const DepthImage& depth) {
 std::shared_ptr<const KeyframeSurface> DepthStore::depth(std::int64_t keyframe) {
   if (auto recent = recent_.find(keyframe)) return recent;
   const DepthImage depth = unpack_depth(images_->read(keyframe), fmt::format("keyframe {}", keyframe));
-  return recent_.add(keyframe, check_.surface_of(depth));
+  return recent_.add(keyframe, check_.surface_of_unpacked(depth));
 }
 
 }  // namespace rastro

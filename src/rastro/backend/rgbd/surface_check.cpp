@@ -30,9 +30,13 @@ SurfaceCheck::SurfaceCheck(const Camera& camera, const SurfaceOptions& options)
 }
 
 KeyframeSurface SurfaceCheck::surface_of(const DepthImage& depth) const {
+  return surface_of_unpacked(rounded_as_packed(depth));
+}
+
+KeyframeSurface SurfaceCheck::surface_of_unpacked(const DepthImage& depth) const {
   KeyframeSurface surface;
   if (depth.width() != camera_.width || depth.height() != camera_.height) return surface;
-  surface.blocks = depth_blocks(rounded_as_packed(depth), {}, options_);
+  surface.blocks = depth_blocks(depth, {}, options_);
   surface.planes = icp_.planes(surface.blocks);
   return surface;
 }

@@ -41,6 +41,8 @@ class SurfaceCheck {
  public:
   SurfaceCheck(const Camera& camera, const SurfaceOptions& options);
   KeyframeSurface surface_of(const DepthImage& depth) const;
+  /// The same of a depth image that was packed, which is rounded already.
+  KeyframeSurface surface_of_unpacked(const DepthImage& depth) const;
   /// Of one keyframe's.
   std::size_t bytes() const { return rays_.size() * (sizeof(float) + sizeof(BlockPlane)); }
   /// The environment measurement check of Endres et al. 2014, section III-E, in both directions.

@@ -71,6 +71,7 @@ class GrowingMapFile::State {
       rows_added_ = true;
       start();
     }
+    wake_.notify_all();
     const std::string table = table_of_layer(layer);
     const std::lock_guard lock(database_->mutex);
     Database& database = open();
@@ -154,7 +155,7 @@ class GrowingMapFile::State {
 
   /// A new keyframe waits only for the rest after the last write, so that a killed run has lost none but the last.
   Clock::time_point due() const {
-    if (!waiting_) return std::min(next_, rows_since_ + commit_rows_every);
+    if (!waiting_) return rows_since_ + commit_rows_every;
     return waiting_->keyframes.size() > written_keyframes_ ? rested_ : next_;
   }
 

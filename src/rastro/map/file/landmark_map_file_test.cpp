@@ -91,7 +91,7 @@ TEST(LandmarkMapFile, ContainsAllOfAMapAndHasTheSameBytesForTheSameMap) {
     const auto loaded = load_map(file);
     expect_same(map, *loaded);
     EXPECT_EQ(saved_bytes(*loaded, "again.rastro"), read_whole_file(file)) << "save, load, save";
-    EXPECT_EQ(check_map_file(file).version, 3U);
+    EXPECT_EQ(check_map_file(file).version, 4U);
   }
 }
 

@@ -99,7 +99,7 @@ TEST(MapFile, ContainsAllOfAMapAndHasTheSameBytesForTheSameMap) {
   EXPECT_EQ(saved_bytes(*loaded, "again.rastro"), bytes) << "save, load, save";
   const MapFileReport report = check_map_file(file);
   EXPECT_EQ(report.damage, "");
-  EXPECT_EQ(report.version, 3U);
+  EXPECT_EQ(report.version, 4U);
   EXPECT_EQ(report.bytes, bytes.size());
   EXPECT_TRUE(report.finished);
   EXPECT_FALSE(fs::exists(file.string() + "-wal"));
@@ -154,8 +154,8 @@ TEST(MapFile, AnInvalidFileIsRefusedInOneLine) {
   write_whole_file(file, whole.substr(0, whole.size() / 2));
   EXPECT_THAT(message_of([&] { load_map(file); }), testing::AllOf(HasSubstr("cut off"), HasSubstr("recover")));
   write_whole_file(file, whole);
-  run_sql(file, "PRAGMA user_version=4");
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 4"));
+  run_sql(file, "PRAGMA user_version=5");
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 5"));
 }
 
 TEST(MapFile, EveryModifiedRowIsDamage) {

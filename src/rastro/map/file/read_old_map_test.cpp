@@ -259,7 +259,7 @@ std::shared_ptr<const Map> expect_sound(const fs::path& file, std::uint32_t vers
   const fs::path today = scratch_path("today.rastro"), again = scratch_path("again.rastro");
   const auto map = load_map(file);
   save_map(*map, today);
-  EXPECT_EQ(check_map_file(today).version, 3U);
+  EXPECT_EQ(check_map_file(today).version, 4U);
   save_map(*load_map(today), again);
   EXPECT_TRUE(read_whole_file(again) == read_whole_file(today));
   const RecoveredMap recovered = recover_map(file);

@@ -89,7 +89,8 @@ TEST(PackedDepth, DamagedBytesAreRefusedOrAnImage) {
     std::vector<std::uint8_t> bytes = good;
     for (std::uint32_t k = random.below(3) + 1; k > 0; --k)
       bytes[random.below(static_cast<std::uint32_t>(bytes.size()))] = static_cast<std::uint8_t>(random.below(256));
-    if (const auto depth = unpack_depth(bytes)) EXPECT_EQ(depth->width() * depth->height(), 61 * 37);
+    const auto depth = unpack_depth(bytes);
+    EXPECT_TRUE(!depth || depth->width() * depth->height() == 61 * 37) << trial;
   }
 }
 
