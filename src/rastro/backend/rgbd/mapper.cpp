@@ -101,8 +101,8 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       stop_(context.stop),
       maps_(makes_map(context)),
       budget_(map_budget_bytes(context, options.memory_reserve_mb)),
-      in_memory_(std::make_shared<MemoryImages>()),
-      images_(packed_images_of(context, in_memory_)),
+      in_memory_{std::make_shared<MemoryImages>()},
+      images_(packed_images_of(context, in_memory_.images)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), images_, cached(DepthStore::usual_most, matcher_.surfaces().bytes(), budget_)),
       proof_{
@@ -112,8 +112,8 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
       search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {
   if (search_->has_long_term_memory()) {
-    signatures_in_memory_ = std::make_shared<MemorySignatures>();
-    signatures_ = signatures_of(context, signatures_in_memory_);
+    in_memory_.signatures = std::make_shared<MemorySignatures>();
+    signatures_ = signatures_of(context, in_memory_.signatures);
   }
   if (context.map) take_over(context.map);
 }
@@ -124,7 +124,7 @@ void Mapper::take_over(const std::shared_ptr<const Map>& map) {
     graph_.add(features->of.at(keyframe.id), {keyframe.world_from_camera, keyframe.submap}, Matrix6d::Zero());
     if (!signatures_) continue;
     const Signature signature = signature_of(*map, keyframe.id);
-    if (!maps_) signatures_in_memory_->add(keyframe.id, signature);
+    if (!maps_) in_memory_.signatures->add(keyframe.id, signature);
     if (graph_.keyframe(keyframe.id).features.size() < signature.image->features.size()) ++given_up_;
     search_->know(signature, keyframe.weight);
   }
@@ -194,7 +194,7 @@ void Mapper::keep_images(KeyframeId id, PackedImages images) {
     archive_->add_images(id, std::move(images));
   } else {
     image_bytes_ += images.bytes();
-    in_memory_->add(id, std::move(images));
+    in_memory_.images->add(id, std::move(images));
   }
 }
 
@@ -243,7 +243,7 @@ void Mapper::store_signature(std::int64_t id, const Signature& signature) {
   if (archive_ != nullptr && archive_->rows(SignatureLayer::layer_name)) {
     archive_->add_row(SignatureLayer::layer_name, id, body_of(signature));
   } else {
-    signatures_in_memory_->add(id, signature);
+    in_memory_.signatures->add(id, signature);
   }
 }
 

@@ -135,9 +135,13 @@ class Mapper {
   std::size_t frames_ = 0;                           ///< As in the last input.
   std::int64_t given_up_ = 0;                        ///< Keyframes without their features.
   std::shared_ptr<const Map> continued_;             ///< Until it is in the archive.
-  std::shared_ptr<MemoryImages> in_memory_;
+  /// Where there is no archive.
+  struct InMemory {
+    std::shared_ptr<MemoryImages> images;
+    std::shared_ptr<MemorySignatures> signatures = {};
+  };
+  InMemory in_memory_;
   std::shared_ptr<const ImageStore> images_;
-  std::shared_ptr<MemorySignatures> signatures_in_memory_;
   std::shared_ptr<const SignatureStore> signatures_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
