@@ -148,7 +148,11 @@ class GrowingMapFile::State {
     if (database.bytes_put() < in_file_ + longest_log) return;
     in_file_ = database.bytes_put();
     lock.unlock();
-    Database::checkpoint(file_);
+    try {
+      Database::checkpoint(file_);
+    } catch (const Error&) {
+      // Moved away or deleted, it can still be written by who has it open.
+    }
     lock.lock();
     database.run("COMMIT; PRAGMA wal_checkpoint(PASSIVE); BEGIN");
   }

@@ -45,5 +45,14 @@ TEST(GrowingMapFile, ItsLogBeginsAnewAndRowsStayReadableMeanwhile) {
   EXPECT_LT(size_of(file.string() + "-wal"), 2 * batch * row_bytes);
 }
 
+TEST(GrowingMapFile, AFileThatIsMovedAwayIsStillWritten) {
+  const fs::path file = scratch_path("moved_log.rastro"), moved = scratch_path("moved_to.rastro");
+  GrowingMapFile growing(file);
+  growing.add_row("words", 0, row_of(0));
+  for (const char* ending : {"", "-wal", "-shm"}) fs::rename(file.string() + ending, moved.string() + ending);
+  add_batch(growing, moved, 1, 20);
+  EXPECT_EQ(growing.rows("words")->row(7), row_of(7));
+}
+
 }  // namespace
 }  // namespace rastro
