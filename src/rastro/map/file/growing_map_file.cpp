@@ -5,7 +5,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <future>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -140,21 +142,38 @@ class GrowingMapFile::State {
     database.run("COMMIT; BEGIN");
   }
 
-  /// A long log goes into the file while others read and write, which takes a multiple of a frame's time; then what
-  /// came since, as nobody else writes: only then the log begins anew.
+  /// A long log goes into the file while others read and write, which may take as long as many frames; then what came
+  /// since, as nobody else writes: only then the log begins anew.
   void shorten_log() {
+    if (moving_.valid()) {
+      if (moving_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
+      moving_.get();
+      const std::lock_guard lock(database_->mutex);
+      Database& database = open();
+      in_file_ = database.bytes_put();
+      return database.run("COMMIT; PRAGMA wal_checkpoint(PASSIVE); BEGIN");
+    }
     std::unique_lock lock(database_->mutex);
-    Database& database = open();
-    if (database.bytes_put() < in_file_ + longest_log) return;
-    in_file_ = database.bytes_put();
+    const bool is_long = open().bytes_put() >= in_file_ + longest_log;
     lock.unlock();
+    if (is_long) moving_ = moved_log();
+  }
+
+  /// By a thread of its own, so that maps are written meanwhile; at once where none can be had.
+  std::future<void> moved_log() const {
     try {
-      Database::checkpoint(file_);
+      return std::async(std::launch::async, move_log, file_);
+    } catch (const std::system_error&) {
+      return std::async(std::launch::deferred, move_log, file_);
+    }
+  }
+
+  static void move_log(const std::filesystem::path& file) {
+    try {
+      Database::checkpoint(file);
     } catch (const Error&) {
       // Moved away or deleted, it can still be written by who has it open.
     }
-    lock.lock();
-    database.run("COMMIT; PRAGMA wal_checkpoint(PASSIVE); BEGIN");
   }
 
   /// A new keyframe waits only for the rest after the last write, so that a killed run has lost none but the last.
@@ -205,6 +224,7 @@ class GrowingMapFile::State {
     }
     wake_.notify_all();
     if (writer_.joinable()) writer_.join();
+    if (moving_.valid()) moving_.wait();
   }
 
   const std::filesystem::path file_;
@@ -214,7 +234,8 @@ class GrowingMapFile::State {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
-  std::size_t in_file_ = 0;  ///< Of the bytes put, those at the last checkpoint; only the writer's.
+  std::size_t in_file_ = 0;   ///< Of the bytes put, those at the last checkpoint; only the writer's.
+  std::future<void> moving_;  ///< The log that goes into the file; only the writer's.
   bool rows_added_ = false, writing_ = false, stopping_ = false, dropping_ = false;
   Clock::time_point rested_{};      ///< Earliest time of the next write ...
   Clock::time_point next_{};        ///< ... and of one without new keyframes.
