@@ -38,11 +38,11 @@ TEST(GrowingMapFile, ItsLogBeginsAnewAndRowsStayReadableMeanwhile) {
   const fs::path file = scratch_path("long_log.rastro");
   GrowingMapFile growing(file);
   constexpr KeyframeId batch = 18;
-  for (KeyframeId first = 0; first < 4 * batch; first += batch) {
+  for (KeyframeId first = 0; first < 5 * batch; first += batch) {
     add_batch(growing, file, first, batch);
     EXPECT_EQ(growing.rows("words")->row(first / 2), row_of(first / 2));
   }
-  EXPECT_LT(size_of(file.string() + "-wal"), 2 * batch * row_bytes);
+  EXPECT_LT(size_of(file.string() + "-wal"), 3 * batch * row_bytes) << "what is moved, and what comes meanwhile";
 }
 
 TEST(GrowingMapFile, AFileThatIsMovedAwayIsStillWritten) {
