@@ -23,7 +23,9 @@ constexpr int compression_level = 1;
 /// 0 where there is no depth that can be stored.
 std::uint16_t units_of(float depth_m) {
   const double units = static_cast<double>(depth_m) * packed_depth_units_per_meter;
-  return units < 65535.5 ? static_cast<std::uint16_t>(static_cast<std::int32_t>(std::max(0.0, units) + 0.5)) : 0;
+  if (!(units < 65535.5)) return 0;
+  const double half_more = std::max(0.0, units) + 0.5;  // std::lround would be a call for each pixel
+  return static_cast<std::uint16_t>(static_cast<std::int32_t>(half_more));
 }
 
 float depth_of(std::uint16_t units) {
