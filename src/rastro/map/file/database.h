@@ -17,8 +17,8 @@ struct sqlite3_stmt;
 namespace rastro {
 
 /// The application id "RSTR" of map files among SQLite files, and the newest version of their content: 1 maps of a
-/// depth camera, 2 maps of landmarks, 3 maps with layers, 4 the same with depth
-/// images as pack_depth() makes them.
+/// depth camera, 2 maps of landmarks, 3 maps with layers, 4 the same with depth images as
+/// pack_depth() makes them.
 constexpr std::uint32_t map_file_id = 0x52535452;
 constexpr std::uint32_t map_file_version = 4;
 

@@ -65,20 +65,20 @@ class GrowingMapFile::State {
     wake_.notify_all();
   }
 
+  /// The writer is told of a row that is there: told before, it could commit without it.
   void add_row(const std::string& layer, KeyframeId keyframe, const std::string& body) {
     {
       const std::lock_guard lock(mutex_);
       check_open();
-      if (!rows_added_) rows_since_ = Clock::now();
-      rows_added_ = true;
       start();
     }
+    put_row(table_of_layer(layer), keyframe, body);
+    {
+      const std::lock_guard lock(mutex_);
+      if (!rows_added_) rows_since_ = Clock::now();
+      rows_added_ = true;
+    }
     wake_.notify_all();
-    const std::string table = table_of_layer(layer);
-    const std::lock_guard lock(database_->mutex);
-    Database& database = open();
-    database.need_table(table);
-    database.put(table, keyframe, body);
   }
 
   std::shared_ptr<const ImageStore> images() const { return images_; }
@@ -124,6 +124,13 @@ class GrowingMapFile::State {
     // The log is append-only and safe against a kill in the middle.
     database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0; BEGIN");
     return database;
+  }
+
+  void put_row(const std::string& table, KeyframeId keyframe, const std::string& body) {
+    const std::lock_guard lock(database_->mutex);
+    Database& database = open();
+    database.need_table(table);
+    database.put(table, keyframe, body);
   }
 
   /// Methods do not know where their frames come from.
