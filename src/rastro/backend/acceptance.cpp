@@ -19,6 +19,14 @@ bool share_one(const std::vector<std::int64_t>& a, const std::vector<std::int64_
   return false;
 }
 
+/// Lower (side -1) or upper (side 1) bound of a proportion with 95 % confidence (Wilson 1927).
+double share_bound(int found, int of, double side) {
+  constexpr double z = 1.645;
+  const double n = of, share = found / n;
+  const double spread = std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  return (share + z * z / (2.0 * n) + side * z * spread) / (1.0 + z * z / n);
+}
+
 bool within(const Eigen::Vector3d& moved_by, const SO3& rotated_by, const AgreementLimits& limits) {
   return moved_by.norm() < limits.max_distance_m && rotated_by.log().norm() < limits.max_angle_rad;
 }
@@ -81,13 +89,9 @@ const char* name_of(Rejection rejection) {
   return "";
 }
 
-double Evidence::alike_share() const {
-  if (patches <= 0) return 0.0;
-  constexpr double z = 1.645;
-  const double n = patches, share = alike_patches / n;
-  const double spread = std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
-  return (share + z * z / (2.0 * n) - z * spread) / (1.0 + z * z / n);
-}
+double Evidence::alike_share() const { return patches <= 0 ? 0.0 : share_bound(alike_patches, patches, -1.0); }
+
+double Evidence::most_alike_share() const { return patches <= 0 ? 1.0 : share_bound(alike_patches, patches, 1.0); }
 
 Rejection judge(const Evidence& evidence, const AcceptanceOptions& options) {
   // Written so that NaN fails, except against an infinite limit, which is off.

@@ -56,6 +56,8 @@ struct Evidence {
   double overlap() const { return observed == 0 ? 0.0 : static_cast<double>(predicted) / compared; }
   /// Share of the patches that looks alike, at least, with 95 % confidence (Wilson 1927): few patches prove little.
   double alike_share() const;
+  /// At most, in the same sense: 1 without patches, which contradict nothing.
+  double most_alike_share() const;
 };
 
 /// Limits for one use (loops, merges, relocalization, continuation of a map). By default each is off.

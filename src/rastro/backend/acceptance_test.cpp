@@ -67,6 +67,21 @@ INSTANTIATE_TEST_SUITE_P(
                       Judged{Rejection::contradicts_graph, [](Evidence& e) { e.graph_sigmas = infinity; }}),
     [](const auto& row) { return std::string(name_of(row.param.rejection)) + std::to_string(row.index); });
 
+/// The proportions from which what was found is 1.645 standard deviations off (Wilson 1927).
+TEST(Evidence, TheShareThatLooksAlikeHasTwoBounds) {
+  const auto sigmas_off = [](double share, double proportion, int of) {
+    return (share - proportion) / std::sqrt(proportion * (1.0 - proportion) / of);
+  };
+  for (const int alike : {3, 8, 20}) {
+    const Evidence evidence{.patches = 23, .alike_patches = alike};
+    const double share = alike / 23.0;
+    EXPECT_NEAR(sigmas_off(share, evidence.alike_share(), 23), 1.645, 1e-9);
+    EXPECT_NEAR(sigmas_off(share, evidence.most_alike_share(), 23), -1.645, 1e-9);
+  }
+  EXPECT_EQ(Evidence{}.alike_share(), 0.0);
+  EXPECT_EQ(Evidence{}.most_alike_share(), 1.0);
+}
+
 TEST(Judge, NanPassesNoLimit) {
   EXPECT_EQ(judge({.score = not_a_number}, {.min_score = 0.1}), Rejection::low_score);
   EXPECT_EQ(judge({.graph_sigmas = not_a_number}, {.max_graph_sigmas = 3.0}), Rejection::contradicts_graph);

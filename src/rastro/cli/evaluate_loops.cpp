@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 constexpr const char* evaluate_loops_footer =
     R"(RUN is a run folder or a map file, RECORDING the generated recording that it was made from, with closures.yaml.
   accepted   constraints of the map between keyframes at least --gap apart in time
-  wrong      of these, those whose relative pose is off by more than --max-error or --max-angle
+  wrong      of these, those whose relative pose is off by more than --max-error or --max-angle; the first eight:
+             the two keyframes, when, how far it is off, and the kind of constraint
   precision  share of the accepted that is right
   revisits   frames that see a place again, by closures.yaml
   found      of these, those that a right constraint closes, or that the map holds relative to an old keyframe
@@ -56,6 +57,20 @@ NamedNumbers numbers_of(const LoopClosureScores& scores) {
           {"recall", scores.recall()}};
 }
 
+std::string text_of_wrong(const std::vector<WrongClosure>& wrong, TimeNs start) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, wrong.size()); ++i) {
+    const WrongClosure& each = wrong[i];
+    text +=
+        fmt::format("wrong      keyframes {} ({:.1f} s) and {} ({:.1f} s): {:.2f} m, {:.1f} degrees off ({})\n",
+                    std::min(each.from, each.to), to_seconds(each.earlier_stamp - start), std::max(each.from, each.to),
+                    to_seconds(each.stamp - start), each.error_m, each.error_deg, name_of(each.kind));
+  }
+  if (wrong.size() > most) text += fmt::format("           and {} more\n", wrong.size() - most);
+  return text;
+}
+
 /// Of the first: when, and when the place was seen before, in seconds since the recording's start.
 std::string text_of_missed(const std::vector<Revisit>& missed, TimeNs start) {
   constexpr std::size_t most = 8;
@@ -70,6 +85,7 @@ std::string text_of_missed(const std::vector<Revisit>& missed, TimeNs start) {
 std::string text_of(const LoopClosureScores& scores, TimeNs start) {
   std::string text = fmt::format("accepted   {} loop closures, {} wrong: precision {:.2f} %\n", scores.accepted,
                                  scores.wrong, 100.0 * scores.precision());
+  text += text_of_wrong(scores.wrong_ones, start);
   text +=
       fmt::format("revisits   {}, found {}: recall {:.1f} %\n", scores.revisits, scores.found, 100.0 * scores.recall());
   if (!scores.missed.empty()) text += text_of_missed(scores.missed, start);

@@ -39,6 +39,8 @@ YAML::Node list_in(const std::string& text, const std::string& where) {
   throw Error("has no list 'closures'", where, closures_form);
 }
 
+double degrees_of(const SE3& pose) { return pose.rotation().log().norm() * 180.0 / std::numbers::pi; }
+
 /// A later frame relative to an earlier one, as the map holds it.
 struct Link {
   TimeNs stamp = 0, earlier_stamp = 0;
@@ -92,15 +94,22 @@ class Scoring {
     return to_seconds(link.stamp - link.earlier_stamp) >= limits_.gap_s ? std::optional(link) : std::nullopt;
   }
 
-  /// nullopt: without ground truth.
-  std::optional<bool> is_right(const Link& link) const {
+  /// measured.inverse() * true; nullopt: without ground truth.
+  std::optional<SE3> error_of(const Link& link) const {
     const auto earlier = pose_at(ground_truth_, link.earlier_stamp, max_gap_),
                later = pose_at(ground_truth_, link.stamp, max_gap_);
     if (!earlier || !later) return std::nullopt;
     const SE3 measured(link.earlier_from_later.rotation(), meters_per_unit_ * link.earlier_from_later.translation());
-    const SE3 error = measured.inverse() * (earlier->inverse() * *later);
-    return error.translation().norm() <= limits_.max_error_m &&
-           error.rotation().log().norm() <= limits_.max_error_deg * std::numbers::pi / 180.0;
+    return measured.inverse() * (earlier->inverse() * *later);
+  }
+
+  bool is_small(const SE3& error) const {
+    return error.translation().norm() <= limits_.max_error_m && degrees_of(error) <= limits_.max_error_deg;
+  }
+
+  bool is_right(const Link& link) const {
+    const auto error = error_of(link);
+    return error && is_small(*error);
   }
 
   void add_constraints() {
@@ -108,14 +117,16 @@ class Scoring {
       const Keyframe &from = *map_.find(constraint.from), &to = *map_.find(constraint.to);
       const auto link = link_of(from.stamp, to.stamp, of_body(from, constraint.rigid()));
       if (!link) continue;
-      const auto right = is_right(*link);
-      if (!right) {
+      const auto error = error_of(*link);
+      if (!error) {
         ++scores_.unknown;
         continue;
       }
       ++scores_.accepted;
-      if (!*right) {
+      if (!is_small(*error)) {
         ++scores_.wrong;
+        scores_.wrong_ones.push_back({from.id, to.id, link->stamp, link->earlier_stamp, constraint.kind,
+                                      error->translation().norm(), degrees_of(*error)});
         continue;
       }
       closed_.push_back(link->stamp);
@@ -130,8 +141,7 @@ class Scoring {
       if (frame.stamp <= keyframe.stamp) continue;
       const Link link{frame.stamp, keyframe.stamp, of_body(keyframe, frame.keyframe_from_camera)};
       const bool is_of_earlier_visit = to_seconds(link.stamp - link.earlier_stamp) >= limits_.gap_s;
-      if (is_of_earlier_visit ? is_right(link).value_or(false) : is_closed_by(keyframe.id, link))
-        closed_.push_back(frame.stamp);
+      if (is_of_earlier_visit ? is_right(link) : is_closed_by(keyframe.id, link)) closed_.push_back(frame.stamp);
     }
   }
 
@@ -140,8 +150,8 @@ class Scoring {
     const auto [first, last] = closing_.equal_range(keyframe);
     return std::any_of(first, last, [&](const auto& each) {
       const Link& closing = each.second;
-      return is_right({to_frame.stamp, closing.earlier_stamp, closing.earlier_from_later * to_frame.earlier_from_later})
-          .value_or(false);
+      return is_right(
+          {to_frame.stamp, closing.earlier_stamp, closing.earlier_from_later * to_frame.earlier_from_later});
     });
   }
 

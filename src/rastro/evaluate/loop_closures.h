@@ -20,6 +20,14 @@ struct Revisit {
 /// Those of a closures.yaml, as `rastro simulate` writes it. Throws Error naming the line for anything else.
 std::vector<Revisit> parse_revisits(const std::string& text, const std::string& where);
 
+/// A constraint of a map whose true relative pose is another one.
+struct WrongClosure {
+  KeyframeId from = 0, to = 0;
+  TimeNs stamp = 0, earlier_stamp = 0;  ///< Of the keyframes.
+  ConstraintKind kind = ConstraintKind::loop;
+  double error_m = 0.0, error_deg = 0.0;  ///< Of the relative pose.
+};
+
 struct LoopClosureLimits {
   double gap_s = 15.0;       ///< Frames nearer in time are no revisit.
   double max_error_m = 0.5;  ///< Of the relative pose of a right loop closure,
@@ -39,6 +47,7 @@ struct LoopClosureScores {
   std::int64_t revisits = 0;  ///< Frames that see a place again, by the list.
   std::int64_t found = 0;     ///< Of these: a right constraint closes them, or the map places them in an old keyframe.
   std::vector<Revisit> missed;  ///< The others.
+  std::vector<WrongClosure> wrong_ones;
 
   double precision() const {
     return accepted == 0 ? 1.0 : 1.0 - static_cast<double>(wrong) / static_cast<double>(accepted);

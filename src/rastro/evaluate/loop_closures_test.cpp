@@ -92,6 +92,10 @@ TEST(LoopClosureScores, AWrongOneFindsNothing) {
   Case test;
   test.close(0, 4, 0.6);
   EXPECT_EQ(test.score().found, 0);
+  ASSERT_EQ(test.score().wrong_ones.size(), 1U);
+  EXPECT_EQ(test.score().wrong_ones.front().from, 0);
+  EXPECT_EQ(test.score().wrong_ones.front().to, 4);
+  EXPECT_NEAR(test.score().wrong_ones.front().error_m, 0.6, 1e-9);
   ASSERT_EQ(test.score().missed.size(), test.revisits.size());
   EXPECT_EQ(test.score().missed.front().stamp, test.revisits.front().stamp);
   EXPECT_EQ(test.score({.max_error_m = 0.7}).found, 1);

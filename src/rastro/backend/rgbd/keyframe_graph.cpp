@@ -51,7 +51,12 @@ void KeyframeGraph::add_edge(const Constraint& edge) {
   edges_of_[static_cast<std::size_t>(edge.to)].push_back(edges_.size());
   edges_.push_back(edge);
   const SE3 step = edge.rigid();
-  lengths_.push_back(step.translation().norm() + step.rotation().log().norm());
+  const double sigma_m = std::sqrt(edge.information.inverse().diagonal().head<3>().maxCoeff());
+  const bool uncertain = sigma_m > uncertain_edge_m;
+  // As long as a path on which tracking drifts as far.
+  const double as_path_m = uncertain ? sigma_m / options_.loop_drift_share : 0.0;
+  lengths_.push_back(step.translation().norm() + step.rotation().log().norm() + as_path_m);
+  uncertain_.push_back(uncertain ? 1 : 0);
 }
 
 void KeyframeGraph::forget_features(std::int64_t id) {
@@ -115,6 +120,7 @@ int KeyframeGraph::steps_between(std::int64_t from, std::int64_t to, int most) c
     for (const std::size_t end = found.size(); next < end; ++next) {
       if (found[next] == to) return step;
       for (const std::size_t e : edges_of_[static_cast<std::size_t>(found[next])]) {
+        if (uncertain_[e] != 0) continue;
         const std::int64_t other = edges_[e].from == found[next] ? edges_[e].to : edges_[e].from;
         if (seen[static_cast<std::size_t>(other)] != 0) continue;
         seen[static_cast<std::size_t>(other)] = 1;

@@ -56,6 +56,10 @@ struct FinalOptimization {
 /// `gradual` counts for loop closures as well, where a new loop that is far off has the stages in any case.
 FinalOptimization final_optimization(std::size_t edges, int iterations);
 
+/// A constraint whose position has a larger standard deviation does not connect its keyframes; what closes a loop over
+/// it needs proof as if there were no path.
+constexpr double uncertain_edge_m = 1.5;
+
 /// Keyframes with their poses and constraints: which keyframes to compare, their distance in the graph, and their
 /// optimized poses. Keyframes below `frozen` belong to a given map and stay fixed.
 class KeyframeGraph {
@@ -91,7 +95,8 @@ class KeyframeGraph {
 
   /// Which keyframes to compare with keyframe `id`, the newest: METHODS 8. In a fixed order, without duplicates.
   std::vector<std::int64_t> candidates(std::int64_t id, Random& random) const;
-  /// Number of edges on the shortest path between the two; `most` if it is longer, or if there is none.
+  /// Number of edges on the shortest path between the two; `most` if it is longer, or if there is none. Without those
+  /// that say too little, see uncertain_edge_m.
   int steps_between(std::int64_t from, std::int64_t to, int most) const;
   /// Length of the path through the keyframes of a submap from one to a later one, meters. A rotation counts like a
   /// step of a meter per radian, since tracking drifts in it too.
@@ -146,6 +151,7 @@ class KeyframeGraph {
   std::vector<Matrix6d> covariances_;
   std::vector<Constraint> edges_;
   std::vector<double> lengths_;                     ///< Of edges_: graph_paths_from().
+  std::vector<std::uint8_t> uncertain_;             ///< Of edges_: they connect nothing.
   std::vector<std::vector<std::size_t>> edges_of_;  ///< Into edges_.
   std::map<int, std::int64_t> first_of_submap_;     ///< The first keyframe of each anchors it.
   std::size_t decided_edges_ = 0;                   ///< Those that were there when all keyframes were optimized last.

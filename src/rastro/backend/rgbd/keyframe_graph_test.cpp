@@ -215,6 +215,22 @@ TEST(KeyframeGraph, StepsBetweenKeyframesAreThoseOfAllShortestPaths) {
   }
 }
 
+/// Two ends of a gap that tracking may have crossed wrongly.
+TEST(KeyframeGraph, AnUncertainConstraintConnectsNothing) {
+  for (const double sigma_m : {0.5 * uncertain_edge_m, 1.1 * uncertain_edge_m}) {
+    const bool uncertain = sigma_m > uncertain_edge_m;
+    const RgbdSlamOptions options;
+    KeyframeGraph graph(options, 0);
+    for (int k = 0; k < 2; ++k) add_keyframe(graph, SE3(), 0);
+    Constraint edge{0, 1};
+    edge.information = Matrix6d::Identity() / (sigma_m * sigma_m);
+    graph.add_edge(edge);
+    EXPECT_EQ(graph.steps_between(0, 1, 10), uncertain ? 10 : 1);
+    const double length_m = graph.graph_paths_from(0).to(1);
+    EXPECT_NEAR(length_m, uncertain ? sigma_m / options.loop_drift_share : 0.0, 1e-9);
+  }
+}
+
 TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
   Random random(3);
   for (const bool forward : {true, false}) {

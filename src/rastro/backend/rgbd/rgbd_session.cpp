@@ -30,7 +30,9 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       relocalizer_(options_, camera, mapper_.depths(), mapper_.appearances()),
       follower_(options_.follow, camera, context.pool),
       safe_{.archive = maps_ ? context.archive : nullptr},
-      following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
+      following_{.has_pose = maps_,
+                 .motion_check = MotionCheck(options_.max_acceleration),
+                 .appearance = TrackedAppearance(mapper_.appearances().check())},
       loss_{.lost = !maps_},
       hint_(context.initial_pose),
       mapping_state_(mapper_.state()),
@@ -79,8 +81,9 @@ void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
     update.times.push_back({"relocalize", stage.lap_ms()});
     return;
   }
-  const RgbdFollow followed = follower_.follow(frame);
+  RgbdFollow followed = follower_.follow(frame);
   following_.has_last_frame = true;
+  doubt(frame, followed);
   update.times.push_back({"follow", stage.lap_ms()});
   update.reason = reason_of(followed.reason);
   update.detail = followed.detail;
@@ -102,6 +105,23 @@ void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
   }
 }
 
+/// The pose stays the best guess, but neither it nor the constraint that it gives is to be trusted.
+void RgbdSession::doubt(const Frame& frame, RgbdFollow& followed) {
+  following_.doubtful = false;
+  const bool has_pose = followed.state == OdometryState::tracking || followed.state == OdometryState::weak;
+  if (!has_pose || !exists()) return;
+  const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * followed.world_from_camera;
+  const auto contradiction = following_.appearance.contradiction(frame, keyframe_from_camera);
+  if (!contradiction) return;
+  following_.doubtful = true;
+  followed.state = OdometryState::weak;
+  followed.reason = OdometryReason::few_inliers;
+  followed.detail =
+      fmt::format("{} of {} patches look different from keyframe {}: it may be somewhere else that fits",
+                  contradiction->contradict, contradiction->agree + contradiction->contradict, anchor_.keyframe);
+  followed.covariance += look_alike_covariance();
+}
+
 /// Surfaces alone fit anywhere: a camera that was lost for long is looked for in the map.
 bool RgbdSession::is_doubtful_return(const RgbdFollow& followed, SlamUpdate& update) {
   if (!loss_.lost || just_lost() || !exists() || followed.reason != OdometryReason::too_few_points) return false;
@@ -119,6 +139,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
   update.used = followed.inliers + followed.surface_points;
   const SE3& pose = followed.world_from_camera;
   following_.motion.note(frame.stamp, pose);
+  following_.appearance.note(frame.stamp);
   if (!exists()) {
     make_keyframe(frame, pose, std::nullopt, update);
   } else {
@@ -161,8 +182,10 @@ bool RgbdSession::has_moved(const RgbdFollow& followed) const {
          static_cast<double>(counts_.seen - counts_.anchored) >= mapping_state_.spacing * options_.keyframe_frames;
 }
 
-/// Where memory is short, not every frame that the follower refers others to.
+/// Where memory is short, not every frame that the follower refers others to. What is doubtful is so from one keyframe
+/// on, as long as the map does not know better.
 bool RgbdSession::needs_keyframe(const RgbdFollow& followed) const {
+  if (following_.doubtful) return true;
   return (followed.new_reference && mapping_state_.spacing <= 1.0) || has_moved(followed);
 }
 
@@ -187,6 +210,7 @@ void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera
                    constraint ? Matrix6d(mapping_state_.variance_factor * without_common_errors(*constraint, options_))
                               : Matrix6d(Matrix6d::Zero()));
   anchor_ = {id, world_from_camera, map_.covariance(id), world_from_camera, Matrix6d::Zero()};
+  following_.appearance.keep(frame);
   counts_.anchored = counts_.seen;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   say_pose(world_from_camera, covariance_of(world_from_camera, Matrix6d::Zero()), update);

@@ -10,6 +10,7 @@
 #include "rastro/backend/pipeline.h"
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/relocalizer.h"
+#include "rastro/backend/rgbd/tracked_appearance.h"
 #include "rastro/backend/rgbd/tracked_map.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/rgbd_tracking/camera_motion.h"
@@ -69,6 +70,8 @@ class RgbdSession {
     bool has_last_frame = false;  ///< The last frame was given to the follower.
     MotionCheck motion_check;
     CameraMotion motion{};  ///< As the follower sees it.
+    TrackedAppearance appearance;
+    bool doubtful = false;  ///< The last frame's pose: it does not look like it.
   };
   /// A lost frame found in the map, not believed yet.
   struct UnconfirmedFrame {
@@ -101,6 +104,7 @@ class RgbdSession {
   bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool agrees_with_last(TimeNs stamp, const SE3& world_from_camera) const;
   bool just_lost() const;
+  void doubt(const Frame& frame, RgbdFollow& followed);
   bool is_doubtful_return(const RgbdFollow& followed, SlamUpdate& update);
   bool continues_motion(const SE3& world_from_camera) const;
   void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);

@@ -38,6 +38,7 @@ void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& con
   const SE3 world_from_keyframe = map_.pose(keyframe);
   anchor_ = {keyframe, world_from_keyframe, map_.covariance(keyframe), world_from_keyframe * constraint.a_from_b,
              constraint.information.inverse()};
+  following_.appearance.forget();
   counts_.anchored = counts_.seen;
 }
 
@@ -167,6 +168,7 @@ bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera,
   update.detail.clear();
   hint_.reset();
   following_.motion.note(frame.stamp, world_from_camera);
+  following_.appearance.note(frame.stamp);
   if (!mapping_) {
     anchor_at(constraint->from, {constraint->rigid(), constraint->information, 0, constraint->inliers, {}});
     say_pose(world_from_camera, covariance_of(world_from_camera, anchor_.reference_covariance), update);

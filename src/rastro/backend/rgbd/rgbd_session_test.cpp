@@ -90,6 +90,50 @@ TEST(RgbdSession, ADarkImageIsALossWhateverTheDepthImageShows) {
   EXPECT_EQ(session.trajectory().size(), 6U);
 }
 
+/// The room with other images on its right two thirds: what another place of that make shows.
+Frame repainted(Frame frame) {
+  const GrayImage other = testing::unknown_frame(5).image;
+  frame.color = {};
+  for (int y = 0; y < other.height(); ++y)
+    for (int x = other.width() / 3; x < other.width(); ++x) frame.image.at(x, y) = other.at(x, y);
+  return frame;
+}
+
+Frame later(Frame frame, double seconds) {
+  frame.stamp += from_seconds(seconds);
+  frame.depth_stamp = frame.stamp;
+  return frame;
+}
+
+/// The first step of a stair looks like the second, and features and surfaces may agree on either.
+TEST(RgbdSession, APoseAfterAGapThatDoesNotLookLikeItIsDoubtful) {
+  struct Case {
+    bool same_image;
+    double gap_s;
+    bool doubtful;
+  };
+  const SE3 view = looking({-0.5, -0.2, 1.2}, -0.3, -0.3);
+  const RgbdSlamOptions options;
+  for (const Case& each : {Case{false, 0.4, true}, Case{false, 0.1, false}, Case{true, 0.4, false}}) {
+    SCOPED_TRACE(each.gap_s);
+    RgbdSession session(options, test_room::camera(), {});
+    for (int k = 0; k < 3; ++k) session.process(with_depth_noise(room_frame(view, k), options, 1));
+    const SE3 moved = looking({-0.48, -0.2, 1.2}, -0.3, -0.3);  // the same image again would be a repeated frame
+    const Frame seen = with_depth_noise(room_frame(moved, 3), options, 2);
+    const SlamUpdate update = session.process(later(each.same_image ? seen : repainted(seen), each.gap_s));
+    EXPECT_EQ(update.detail.find("look different from keyframe 0") != std::string::npos, each.doubtful);
+    EXPECT_EQ(update.state == SlamState::weak, each.doubtful) << update.detail;
+    session.finish();
+    const auto map = session.snapshot();
+    if (!each.doubtful) continue;
+    ASSERT_EQ(map->keyframes.size(), 2U) << "later frames are as uncertain";
+    const auto tracked = std::find_if(map->constraints.begin(), map->constraints.end(),
+                                      [](const Constraint& edge) { return edge.kind == ConstraintKind::odometry; });
+    ASSERT_NE(tracked, map->constraints.end());
+    EXPECT_GT(tracked->information.inverse()(0, 0), uncertain_edge_m * uncertain_edge_m);
+  }
+}
+
 TEST(FrameReport, AKeptFrameHasWhatTheMapNeeds) {
   Frame frame = room_frame(looking({-0.5, -0.2, 1.2}, 0.0), 7);
   frame.mask = GrayImage(320, 240);
